@@ -76,6 +76,8 @@ struct ConnectionLimits {
   // If this number is reached, a new connection replaces another one, preferably the one that has
   // been idle for longest.
   size_t max_num_connections = 1000;
+  // The same for the connections of one address; the others keep room for other addresses.
+  size_t max_num_connections_of_address = 500;
   // A head, and a body up to max_small_body_bytes, must arrive whole within this time.
   int max_request_ms = 1000;
   size_t max_small_body_bytes = size_t{64} << 10;
@@ -118,9 +120,15 @@ struct StreamLimits {
   int max_pause_s = 60;
 };
 
+// Requests of one kind that compute for long. One beyond both limits is answered with 429.
+struct LongQueueLimits {
+  int max_num_computing = 1;
+  // Each holds a thread.
+  int max_num_waiting = 4;
+};
+
 // Largest numbers of requests of one kind that are served at the same time. A request beyond a
-// limit is answered with 429. Exception: requests that need a decoder or a
-// planner wait.
+// limit is answered with 429. Exception: requests that need a decoder wait.
 struct ConcurrencyLimits {
   // Each upload holds an encoded image in memory, and a thread.
   int max_num_uploads = 8;
@@ -128,12 +136,14 @@ struct ConcurrencyLimits {
   int max_num_streams = 8;
   // Images decoded at the same time: 64 megapixels take 192 MiB.
   int max_num_decoders = 2;
-  // Wind roses take seconds.
-  int max_num_rose_planners = 2;
-  // The ground in reach takes up to a tenth of a second, and megabytes of memory.
-  int max_num_reach_planners = 1;
+  // Wind roses take seconds. The page asks for six answers at once.
+  LongQueueLimits plans{2, 12};
+  // The ground in reach takes up to a second, and megabytes of memory.
+  LongQueueLimits reach{1, 4};
   // The insurance of a route takes a second of all processors.
-  int max_num_route_planners = 1;
+  LongQueueLimits routes{1, 4};
+  // Reports and files of whole maps take seconds.
+  LongQueueLimits files{1, 6};
 };
 
 // Length of answers.
@@ -148,6 +158,9 @@ struct AnswerLimits {
   // Of the polygons of one answer of reach, and stored maps that it reads.
   size_t max_num_reach_vertices = 4000;
   size_t max_num_reach_maps = 200;
+  // Cells times winds and headings of one answer of reach: about a second (0045). Beyond, the cells
+  // are larger.
+  double max_reach_work = 60e6;
   // Sites that a flight's list of alternates may have.
   size_t max_num_alternates = 20;
   // Planning for one wind takes 0.2 ms over an open field, and 20 ms if most of the field is

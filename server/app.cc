@@ -84,7 +84,9 @@ HttpOptions OptionsOf(const Config& config, Listener listener) {
   HttpOptions options;
   options.rules.allowed_hosts = config.allowed_hosts;
   options.rules.takes_large_bodies = is_main;
-  options.num_threads = is_main ? config.num_http_threads : kNumEmergencyThreads;
+  // Long computations, and those that wait for them, take no thread from the others.
+  options.num_threads =
+      is_main ? config.num_http_threads + LongQueues::MaxNumThreads() : kNumEmergencyThreads;
   return options;
 }
 

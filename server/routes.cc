@@ -286,6 +286,14 @@ void Dispatch(Organisations& organisations,
   throw ApiError("NotFound", "there is nothing at this path");
 }
 
+void RefuseOtherSites(const Service& service, const httplib::Request& request) {
+  const bool is_page = request.method == "GET" && service.page.contains(request.path);
+  CheckFetchSite({request.get_header_value("Sec-Fetch-Site"),
+                  request.get_header_value("Sec-Fetch-Mode"),
+                  request.get_header_value("Sec-Fetch-Dest")},
+                 is_page);
+}
+
 // Turns every failure into an answer. Details that are not meant for clients go to the log only.
 void DispatchSafely(Organisations& organisations,
                     Service*& service,
@@ -294,6 +302,7 @@ void DispatchSafely(Organisations& organisations,
                     BodyReader& body,
                     httplib::Response& response) {
   try {
+    RefuseOtherSites(*service, request);
     Dispatch(organisations, service, listener, request, body, response);
   } catch (const ApiError& error) {
     AnswerProblem(error, response);

@@ -2,6 +2,7 @@
 // verdict. Paper: Sec. III-H, Eq. 1.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -389,6 +390,10 @@ struct WindRose {
 
 // Each plan equals planner.PlanFor(wind, Explanation::kNone) for its wind. Throws
 // std::invalid_argument if the options are invalid.
-WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& options);
+// Calls `before_wind` before each of them; to give up, it throws.
+WindRose PlanWindRose(
+    const ApproachPlanner& planner,
+    const WindRoseOptions& options,
+    const std::function<void()>& before_wind = [] {});
 
 }  // namespace freelsd

@@ -40,12 +40,15 @@ const Plan& WindRose::At(size_t speed, size_t direction) const {
   return plans.at(speed * static_cast<size_t>(num_directions) + direction);
 }
 
-WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& options) {
+WindRose PlanWindRose(const ApproachPlanner& planner,
+                      const WindRoseOptions& options,
+                      const std::function<void()>& before_wind) {
   options.Check();
   WindRose rose{options.num_directions, options.speeds_mps, {}};
   const auto num_directions = static_cast<size_t>(options.num_directions);
   for (size_t speed = 0; speed < rose.speeds.size(); ++speed) {
     for (size_t direction = 0; direction < num_directions; ++direction) {
+      before_wind();
       // Calm has no direction.
       const bool is_same = direction > 0 && rose.speeds[speed] <= 0.0;
       rose.plans.push_back(

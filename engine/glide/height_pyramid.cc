@@ -38,8 +38,9 @@ double ExitAlong(double place, double step, int block, int size) {
 
 }  // namespace
 
-HeightPyramid::HeightPyramid(const cv::Mat1f& top) {
-  cv::dilate(top, levels_[0], cv::Mat1b(3, 3, uchar{1}));
+HeightPyramid::HeightPyramid(const cv::Mat1f& top, int margin_cells) {
+  const int side = 2 * margin_cells + 1;
+  cv::dilate(top, levels_[0], cv::Mat1b(side, side, uchar{1}));
   for (size_t level = 1; level < levels_.size(); ++level) {
     levels_[level] = BlockMaxima(levels_[level - 1]);
   }

@@ -28,11 +28,11 @@ struct ClearWay {
 };
 
 // Highest ground in blocks of cells of several sizes. A sector is checked by its middle line alone,
-// because each cell holds the highest ground of its eight neighbours too: the sector must reach no
-// farther than one cell to each side.
+// because each cell holds the highest ground of its neighbours too: the sector must reach no
+// farther than `margin_cells` to each side.
 class HeightPyramid {
  public:
-  explicit HeightPyramid(const cv::Mat1f& top);
+  HeightPyramid(const cv::Mat1f& top, int margin_cells);
 
   // `wanted` is at least `clearance`.
   ClearWay ClearWayAlong(const SlopingLine& line, double clearance, double wanted) const;

@@ -16,12 +16,19 @@ namespace {
 // Greatest width of a sector, in cells. The pyramid allows one cell to each side of the middle.
 constexpr double kSectorWidthCells = 1.8;
 constexpr int kMinNumSectors = 360;
+// FanTask::overlap_m, in cells of the ground.
+constexpr double kOverlapCells = 3.0;
+// Around each cell, the highest of so many cells counts. Joined cells need more: then all that a
+// line of the finer search meets lies within, as its place differs by up to a joined cell.
+constexpr int kMarginCells = 1;
+constexpr int kMarginOfJoined = 2;
 
 // What all fans share.
 struct Search {
   const ReachGround& ground;
   const ReachLimits& limits;
   HeightPyramid pyramid;
+  double overlap_m = 0.0;
   // Straight flight down to the lowest ground, metres in the frame of the air.
   double max_straight_m = 0.0;
   int num_sectors = kMinNumSectors;
@@ -33,11 +40,16 @@ double LowestTop(const ReachGround& ground) {
   return lowest;
 }
 
+// `cells_per_side`: of the cells of `ground`, as Reach has it.
 Search SearchOver(const ReachGround& ground,
+                  int cells_per_side,
                   const ReachLimits& limits,
                   double height,
                   const Performance& performance) {
-  Search search{ground, limits, HeightPyramid(ground.top)};
+  Search search{ground,
+                limits,
+                HeightPyramid(ground.top, cells_per_side > 1 ? kMarginOfJoined : kMarginCells),
+                kOverlapCells * ground.grid.cell_size_m / cells_per_side};
   const double above_m = std::max(0.0, height - LowestTop(ground) - limits.terrain_clearance_m);
   search.max_straight_m =
       above_m * performance.straight.airspeed_mps / performance.straight.sink_rate_mps;
@@ -70,7 +82,9 @@ cv::Mat1b CellsInReach(const GlideStart& start,
                          wind,
                          performance,
                          search.num_sectors,
-                         search.max_straight_m};
+                         search.max_straight_m,
+                         search.overlap_m};
+      search.limits.before_fan();
       NodeMask& filled = is_first ? common : mask;
       if (!is_first) mask.Clear();
       FillFan(task, search, filled);
@@ -93,6 +107,25 @@ cv::Mat1b Halved(const cv::Mat1b& cells) {
     }
   }
   return halved;
+}
+
+// Cells of twice the size. What is left over at the southern and eastern edge is left out.
+ReachGround Joined(const ReachGround& ground) {
+  ReachGround joined{ground.grid, {}, {}};
+  joined.grid.cell_size_m *= 2.0;
+  joined.grid.num_rows /= 2;
+  joined.grid.num_cols /= 2;
+  joined.top = cv::Mat1f(joined.grid.num_rows, joined.grid.num_cols);
+  for (int row = 0; row < joined.top.rows; ++row) {
+    const float* const upper = ground.top.ptr<float>(2 * row);
+    const float* const lower = ground.top.ptr<float>(2 * row + 1);
+    for (int col = 0; col < joined.top.cols; ++col) {
+      joined.top(row, col) =
+          std::max({upper[2 * col], upper[2 * col + 1], lower[2 * col], lower[2 * col + 1]});
+    }
+  }
+  joined.is_known = Halved(ground.is_known);
+  return joined;
 }
 
 size_t NumVertices(const std::vector<ReachArea>& areas) {
@@ -128,13 +161,25 @@ Reach ReachOf(const GlideStart& start,
   for (const Eigen::Vector2d& wind : winds) {
     if (wind.norm() >= performance.Airspeed()) return {};
   }
+  const std::vector<double> headings = HeadingsToReckonWith(start, options);
+  const auto num_fans = static_cast<double>(winds.size() * headings.size());
+  ReachGround searched = ground;
+  int cells_per_side = 1;
+  while (num_fans * static_cast<double>(searched.top.total()) > limits.max_work &&
+         searched.top.rows > 1 && searched.top.cols > 1) {
+    searched = Joined(searched);
+    cells_per_side *= 2;
+  }
   GlideStart lower = start;
   lower.position_in_world.z() -=
       TimeBetweenHeadings(start, performance, options) * performance.turning_sink_rate;
-  const Search search = SearchOver(ground, limits, lower.position_in_world.z(), performance);
-  const cv::Mat1b cells =
-      CellsInReach(lower, search, winds, HeadingsToReckonWith(start, options), performance);
-  return OutlinesOf(cells & ground.is_known, cells & ~ground.is_known, ground.grid, limits);
+  const Search search =
+      SearchOver(searched, cells_per_side, limits, lower.position_in_world.z(), performance);
+  const cv::Mat1b cells = CellsInReach(lower, search, winds, headings, performance);
+  Reach reach =
+      OutlinesOf(cells & searched.is_known, cells & ~searched.is_known, searched.grid, limits);
+  reach.cells_per_side = cells_per_side;
+  return reach;
 }
 
 double GreatestGlideDistance(const GlideStart& start,

@@ -5,6 +5,8 @@
 // first ground that it does not clear. Ground is in reach if it lies in all these fans.
 #pragma once
 
+#include <functional>
+#include <limits>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -33,6 +35,11 @@ struct ReachLimits {
   double arrival_height_m = 0.0;
   // Of all polygons together. The areas are made coarser, and never larger, until this holds.
   int max_num_vertices = 4000;
+  // Cells of the ground times winds and headings. The search joins four cells to one until this
+  // holds. It depends on the request alone, so that the same request gets the same answer.
+  double max_work = std::numeric_limits<double>::infinity();
+  // Called before each wind and heading; to give up, it throws.
+  std::function<void()> before_fan = [] {};
 };
 
 // A polygon without its holes. The outer ring is counter-clockwise, holes are clockwise. No ring
@@ -46,6 +53,9 @@ struct Reach {
   // Largest first.
   std::vector<ReachArea> known;
   std::vector<ReachArea> unknown;
+  // Side of the cells that were searched, in cells of the ground. Above 1, the areas are an inner
+  // bound: they lie in those of a search with 1.
+  int cells_per_side = 1;
 };
 
 // The worst case over the winds and headings of GlideTo. Never more than what a planner of single

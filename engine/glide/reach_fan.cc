@@ -10,10 +10,6 @@
 namespace freelsd {
 namespace {
 
-// A line reaches so much farther than to where the other turn is shorter, in cells: so that no gap
-// is left between the turns.
-constexpr double kOverlapCells = 3.0;
-
 // One straight line of the fan.
 struct Ray {
   // Columns and rows; step per metre in the frame of the air.
@@ -64,7 +60,7 @@ class Turns {
     const double sine = std::min(std::sin(turn), -1e-9);
     const double to_heading_line = radius * (1.0 - std::cos(turn)) / -sine;
     const double drift = task_.wind.norm() / task_.performance.Airspeed() * 4.0 * kPi * radius;
-    const double overlap = kOverlapCells * grid_.cell_size_m + drift;
+    const double overlap = task_.overlap_m + drift;
     if (turn < 1.5 * kPi) return to_heading_line + overlap;
     const double chord = std::cos(turn) * (1.0 - std::cos(turn));
     const double out_of_circle =

@@ -23,6 +23,9 @@ struct FanTask {
   int num_sectors = 0;
   // Longest straight flight, metres in the frame of the air.
   double max_straight_m = 0.0;
+  // A line reaches so much farther than to where the other turn is shorter, so that no gap is left
+  // between the turns.
+  double overlap_m = 0.0;
 };
 
 // Parts of sectors: the ground that is reached. They overlap.

@@ -84,6 +84,7 @@ std::vector<LegLine> Shortlist(const std::vector<LegLine>& legs,
                                const NextLookOptions& options) {
   std::vector<std::pair<double, size_t>> ranked;
   for (size_t i = 0; i < legs.size(); ++i) {
+    flight.before_leg();
     const LegViews views = ViewsOf(legs[i], flight.shape, flight.photo_spacing_m, ground.grid);
     if (SharedRatio(views, ground) < options.min_shared_ratio) continue;
     ranked.emplace_back(-claims(views.cells).dot(ChancesOf(views, ground, options)), i);
@@ -135,6 +136,7 @@ std::optional<ChosenLeg> BestLeg(const std::vector<LegLine>& legs,
   std::optional<ChosenLeg> best;
   const cv::Mat1f claims = ClaimsOf(squares, ground, options);
   for (const LegLine& leg : Shortlist(legs, claims, ground, flight, options)) {
+    flight.before_leg();
     const LegViews views = ViewsOf(leg, flight.shape, flight.photo_spacing_m, ground.grid);
     cv::Mat1f known = KnownAfter(views, ground, options);
     double gain = 0.0;

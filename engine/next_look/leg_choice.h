@@ -1,6 +1,7 @@
 // Private to next_look/: the leg that promises most.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace freelsd {
 struct LookFlight {
   PhotoShape shape;
   double photo_spacing_m = 0.0;
+  // Of the request.
+  const std::function<void()>& before_leg;
 };
 
 struct ChosenLeg {

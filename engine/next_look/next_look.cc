@@ -190,7 +190,7 @@ NextLook ChooseNextLook(const LookRequest& request, const NextLookOptions& optio
   CheckRequest(request);
   NextLook look;
   look.height_above_ground_m = HeightAboveGround(request);
-  LookFlight flight{PhotoShape(request.rig, look.height_above_ground_m), 0.0};
+  LookFlight flight{PhotoShape(request.rig, look.height_above_ground_m), 0.0, request.before_leg};
   look.photo_extent_m = flight.shape.Extent();
   look.photo_spacing_m = PhotoSpacing(request.flown, look.photo_extent_m.x());
   flight.photo_spacing_m = look.photo_spacing_m;

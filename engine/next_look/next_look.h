@@ -8,6 +8,7 @@
 // turn out as well as the ground around them. The gain of a leg is the sum over all squares.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -82,6 +83,8 @@ struct LookRequest {
   std::optional<Eigen::Vector2d> wind_in_world = std::nullopt;
   // Both ends of all legs lie in it. Empty: the map, and max_outside_m beyond it.
   std::optional<Box> area = std::nullopt;
+  // Called before each leg that is tried; to give up, it throws.
+  std::function<void()> before_leg = [] {};
 };
 
 // A square whose landing value is expected to grow.

@@ -245,12 +245,14 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
     AnswerGeoJson(nlohmann::json::parse(site.approach_json), response);
     return;
   }
+  const LongPlace place(service.long_queues.plans, WantedBy(service, call));
   AnswerGeoJson(PlanAnew(service, site, call), response);
 }
 
 void GetWhy(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
   const GeoPoint place = PlaceOf(call);
+  const LongPlace turn(service.long_queues.plans, WantedBy(service, call));
   const auto stored = SiteWithMap(service, site);
   const Replan& replan = stored->replan;
   const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
@@ -265,6 +267,7 @@ void GetWhy(Service& service, const Call& call, httplib::Response& response) {
 }
 
 void GetFlightWhy(Service& service, const Call& call, httplib::Response& response) {
+  const LongPlace turn(service.long_queues.plans, WantedBy(service, call));
   const PlaceOnMap on = PlaceOnFlightMap(service, call);
   const Eigen::Vector2d place_in_world = InWorldOf(*on.site, PlaceOf(call));
   const StoredMapPlanner on_map(on.site->replan, on.aircraft, on.site->obstructed_map);
@@ -275,6 +278,7 @@ void GetFlightWhy(Service& service, const Call& call, httplib::Response& respons
 }
 
 void GetFlightLanding(Service& service, const Call& call, httplib::Response& response) {
+  const LongPlace turn(service.long_queues.plans, WantedBy(service, call));
   const PlaceOnMap on = PlaceOnFlightMap(service, call);
   const StoredMapPlanner on_map(on.site->replan, on.aircraft, on.site->obstructed_map);
   const Plan plan = CheckedAround(on_map.planner.PlanFor(on.wind_in_world),
@@ -293,18 +297,19 @@ void GetFlightLanding(Service& service, const Call& call, httplib::Response& res
 SiteRose PlanSiteRose(Service& service,
                       const std::shared_ptr<const KeptSite>& stored,
                       const Aircraft& aircraft,
-                      const WindRoseOptions& options) {
-  const SemaphoreSlot slot(service.rose_planners);
+                      const WindRoseOptions& options,
+                      const StopIfUnwanted& stop_if_unwanted) {
   // The circle is largest in the strongest wind, the final longest in the weakest.
   auto kept = stored;
   for (const double speed_mps : {options.speeds_mps.front(), options.speeds_mps.back()}) {
     kept = service.maps.Covering(service.storage, kept, aircraft, Eigen::Vector2d(speed_mps, 0.0));
   }
   const auto on_map = service.maps.PlannerFor(kept, aircraft);
-  WindRose rose = PlanWindRose(on_map->planner, options);
+  WindRose rose = PlanWindRose(on_map->planner, options, stop_if_unwanted);
   const size_t num_directions = static_cast<size_t>(rose.num_directions);
   const bool has_later_maps = HasLaterMaps(*kept);
   for (size_t i = 0; i < rose.plans.size(); ++i) {
+    stop_if_unwanted();
     const Eigen::Vector2d wind = rose.WindInWorld(i / num_directions, i % num_directions);
     // A rose has no profiles.
     if (has_later_maps && rose.plans[i].verdict != Verdict::kRejected) {
@@ -319,9 +324,11 @@ SiteRose PlanSiteRose(Service& service,
 void GetWindRose(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
   const WindRoseOptions options = RoseOf(call);
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const LongPlace place(service.long_queues.plans, stop_if_unwanted);
   const auto stored = SiteWithMap(service, site);
   const Aircraft aircraft = AircraftOf(call, stored->replan.flight.aircraft);
-  const SiteRose planned = PlanSiteRose(service, stored, aircraft, options);
+  const SiteRose planned = PlanSiteRose(service, stored, aircraft, options, stop_if_unwanted);
   nlohmann::json answer = WindRoseJson(planned.rose, ContextOf(*planned.site));
   answer["aircraft"] = AircraftJson(aircraft);
   answer["warnings"] = LimitsWarnings(aircraft);

@@ -1,10 +1,8 @@
 #include "server/handlers/flight_picture.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -41,18 +39,6 @@ std::shared_ptr<const FlightMap> WithoutPicture(FlightMap map) {
 
 }  // namespace
 
-WriterSlot::WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
-  constexpr std::chrono::milliseconds kStep{50};
-  constexpr std::chrono::milliseconds kMaxWait{20000};
-  // Not try_acquire_for: that of libstdc++ 12 may miss a release.
-  for (auto waited = kStep; !semaphore_.try_acquire(); waited += kStep) {
-    if (waited > kMaxWait) {
-      throw ApiError("Unavailable", "files of other maps are being written; try again");
-    }
-    std::this_thread::sleep_for(kStep);
-  }
-}
-
 std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& service,
                                                            const std::string& flight_id) {
   std::vector<std::shared_ptr<const FlightMap>> maps;
@@ -65,8 +51,13 @@ std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& servic
   return maps;
 }
 
-FlightPicture::FlightPicture(const Service& service, const std::string& flight_id)
-    : service_(service), flight_id_(flight_id), maps_(ReadableMaps(service, flight_id)) {
+FlightPicture::FlightPicture(const Service& service,
+                             const std::string& flight_id,
+                             StopIfUnwanted stop_if_unwanted)
+    : service_(service),
+      flight_id_(flight_id),
+      stop_if_unwanted_(std::move(stop_if_unwanted)),
+      maps_(ReadableMaps(service, flight_id)) {
   if (maps_.empty()) {
     if (!service.storage.flights.Find(flight_id)) {
       throw ApiError("NoSuchFlight", "there is no such flight");
@@ -125,6 +116,7 @@ Scale FlightPicture::NeededScale(const std::string& layer) const {
 std::vector<MapWindow> FlightPicture::Windows(const std::string& layer,
                                               const WorldBox& box,
                                               int level) const {
+  stop_if_unwanted_();
   std::vector<MapWindow> windows;
   for (const auto& map : maps_) {
     const int own_level = std::min(level, map->head.num_levels - 1);
@@ -175,6 +167,7 @@ double FlightPicture::NeededPixelSize() const {
 // Maps may differ in their finest pixels: of each map, the level with pixels of this size.
 std::vector<PhotoWindow> FlightPicture::PhotoWindows(const WorldBox& box,
                                                      double pixel_size_m) const {
+  stop_if_unwanted_();
   std::vector<PhotoWindow> windows;
   for (const auto& map : maps_) {
     if (!map->head.photo) continue;
@@ -266,19 +259,16 @@ void FlightPicture::RequireLayer(const std::string& layer) const {
 }
 
 void FlightPicture::WriteGeoTiff(const std::string& layer,
-                                 const std::filesystem::path& file,
-                                 std::function<void()> before_block) const {
+                                 const std::filesystem::path& file) const {
   RequireLayer(layer);
-  GeoTiffOptions options;
-  options.before_block = std::move(before_block);
   if (layer == "photo") {
     PhotoSource source = SourceOfPhoto();
     source.parts = PhotoParts();
-    return WritePhotoGeoTiff(file.string(), source, Frame(), options);
+    return WritePhotoGeoTiff(file.string(), source, Frame());
   }
   MapSource source = Source(layer);
   for (const auto& map : maps_) source.parts.push_back(BoxOfGrid(map->head.grid));
-  WriteLayerGeoTiff(file.string(), layer, source, Frame(), options);
+  WriteLayerGeoTiff(file.string(), layer, source, Frame());
 }
 
 std::string FlightPicture::Kmz(const std::string& layer) const {

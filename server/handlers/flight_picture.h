@@ -3,10 +3,8 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <semaphore>
 #include <string>
 #include <vector>
 
@@ -18,19 +16,6 @@
 
 namespace freelsd {
 
-// The right to draw a whole map, which takes seconds. Whoever waits holds a thread, so nobody waits
-// long. The constructor throws ApiError Unavailable.
-class WriterSlot {
- public:
-  explicit WriterSlot(std::counting_semaphore<>& semaphore);
-  ~WriterSlot() { semaphore_.release(); }
-  WriterSlot(const WriterSlot&) = delete;
-  WriterSlot& operator=(const WriterSlot&) = delete;
-
- private:
-  std::counting_semaphore<>& semaphore_;
-};
-
 // Maps of a flight that can be read, newest first. They share the flight's world and lattice. The
 // head of a map whose picture was removed to free disk space has no photo.
 std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& service,
@@ -39,8 +24,10 @@ std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& servic
 class FlightPicture {
  public:
   // Throws ApiError NoSuchFlight, or NoMap if the flight has no map. The maps of a deleted flight
-  // are still there.
-  FlightPicture(const Service& service, const std::string& flight_id);
+  // are still there. Calls `stop_if_unwanted` before each part that it reads.
+  FlightPicture(
+      const Service& service, const std::string& flight_id, StopIfUnwanted stop_if_unwanted = [] {
+      });
 
   // Differs whenever the maps, their pictures or the obstacles on them differ.
   const std::string& version() const { return version_; }
@@ -51,10 +38,8 @@ class FlightPicture {
   std::string Tile(const std::string& layer,
                    const XyzTile& tile,
                    const std::string& content_type) const;
-  // `before_block` is that of GeoTiffOptions. Throws ApiError TooLarge.
-  void WriteGeoTiff(const std::string& layer,
-                    const std::filesystem::path& file,
-                    std::function<void()> before_block) const;
+  // Throws ApiError TooLarge.
+  void WriteGeoTiff(const std::string& layer, const std::filesystem::path& file) const;
   std::string Kmz(const std::string& layer) const;
   std::string Legend(const std::string& layer) const;
 
@@ -92,6 +77,7 @@ class FlightPicture {
 
   const Service& service_;
   std::string flight_id_;
+  StopIfUnwanted stop_if_unwanted_;
   std::vector<std::shared_ptr<const FlightMap>> maps_;
   // In force now, in the maps' world.
   std::vector<HardObstacle> obstacles_;

@@ -34,11 +34,13 @@ void GetLayers(Service& service, const Call& call, httplib::Response& response) 
 }
 
 void GetLayerPicture(Service& service, const Call& call, httplib::Response& response) {
+  const LongPlace place(service.long_queues.plans, WantedBy(service, call));
   const SiteMap map = ExistingMap(service, call, ExistingSite(service, call));
   response.set_content(LayerPng(map, call.Id("layer")), "image/png");
 }
 
 void GetLayerGeoTiff(Service& service, const Call& call, httplib::Response& response) {
+  const LongPlace place(service.long_queues.plans, WantedBy(service, call));
   const SiteRow site = ExistingSite(service, call);
   const SiteMap map = ExistingMap(service, call, site);
   const LocalFrame local_frame(ParseReplan(site.replan_json).origin);

@@ -29,6 +29,13 @@ JobRow ExistingJob(const Service& service, const Call& call) {
   return *job;
 }
 
+StopIfUnwanted WantedBy(const Service& service, const Call& call) {
+  return [&service, &body = call.body] {
+    if (service.intake.is_stopping) throw ApiError("ShuttingDown", "the server is stopping");
+    if (body.HasClientLeft()) throw ApiError("Unavailable", "the client has left");
+  };
+}
+
 namespace {
 
 std::vector<SiteRow> Obstructed(const Service& service, std::vector<SiteRow> sites) {

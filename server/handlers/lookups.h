@@ -17,6 +17,10 @@ SiteRow ExistingSite(const Service& service, const Call& call);
 // Throws ApiError NoSuchJob.
 JobRow ExistingJob(const Service& service, const Call& call);
 
+// Throws ApiError if the client of the call has left, or if the server is stopping. Both arguments
+// must outlive it.
+StopIfUnwanted WantedBy(const Service& service, const Call& call);
+
 // The flight's sites, superseded ones included, as obstacles leave them.
 std::vector<SiteRow> SitesOfFlight(const Service& service, const std::string& flight_id);
 // Stored sites as obstacles leave them, without superseded ones unless the query says

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -55,14 +54,6 @@ bool AnswerUnchanged(const std::string& version, const Call& call, httplib::Resp
   return true;
 }
 
-// Throws while a file is written that nobody waits for any more.
-std::function<void()> StopIfUnwanted(const Service& service, const Call& call) {
-  return [&service, &call] {
-    if (service.intake.is_stopping) throw ApiError("ShuttingDown", "the server is stopping");
-    if (call.body.HasClientLeft()) throw ApiError("Unavailable", "the client has left");
-  };
-}
-
 // Absolute, as the client reached the server.
 std::string BaseUrl(const Call& call) {
   const bool is_https = call.request.get_header_value("X-Forwarded-Proto") == "https";
@@ -110,24 +101,24 @@ void GetMapTileJpeg(Service& service, const Call& call, httplib::Response& respo
 void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& response) {
   const std::string& layer = call.Id("layer");
   CheckLayer(layer);
-  const FlightPicture maps(service, call.Id("flight"));
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const FlightPicture maps(service, call.Id("flight"), stop_if_unwanted);
   maps.RequireLayer(layer);
   if (AnswerUnchanged(maps.version(), call, response)) return;
+  const LongPlace place(service.long_queues.files, stop_if_unwanted);
   const SpooledFile file(service.storage.SpoolFolder());
-  {
-    const WriterSlot slot(service.map_writers);
-    maps.WriteGeoTiff(layer, file.path(), StopIfUnwanted(service, call));
-  }
+  maps.WriteGeoTiff(layer, file.path());
   AnswerFile(response, "image/tiff", file.path());
 }
 
 void GetMapKmz(Service& service, const Call& call, httplib::Response& response) {
   const std::string& layer = call.Id("layer");
   CheckLayer(layer);
-  const FlightPicture maps(service, call.Id("flight"));
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const FlightPicture maps(service, call.Id("flight"), stop_if_unwanted);
   maps.RequireLayer(layer);
   if (AnswerUnchanged(maps.version(), call, response)) return;
-  const WriterSlot slot(service.map_writers);
+  const LongPlace place(service.long_queues.files, stop_if_unwanted);
   response.set_content(maps.Kmz(layer), "application/vnd.google-earth.kmz");
 }
 

@@ -13,10 +13,11 @@ struct SiteRose {
   WindRose rose;
 };
 
-// Plans for the obstacles that are in force now. Waits for a place of rose_planners.
+// Plans for the obstacles that are in force now.
 SiteRose PlanSiteRose(Service& service,
                       const std::shared_ptr<const KeptSite>& stored,
                       const Aircraft& aircraft,
-                      const WindRoseOptions& options);
+                      const WindRoseOptions& options,
+                      const StopIfUnwanted& stop_if_unwanted);
 
 }  // namespace freelsd

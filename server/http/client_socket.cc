@@ -83,9 +83,29 @@ bool ClientSocket::Write(std::string_view bytes) const {
 }
 
 bool ClientSocket::HasEnded() const {
+  pollfd entry{descriptor_, POLLRDHUP, 0};
+  return ::poll(&entry, 1, 0) > 0;
+}
+
+bool ClientSocket::HasBytes() const {
   char next = 0;
-  const ssize_t num_read = ::recv(descriptor_, &next, 1, MSG_DONTWAIT | MSG_PEEK);
-  return num_read == 0 || (num_read < 0 && !IsOnlyBusy(errno));
+  return ::recv(descriptor_, &next, 1, MSG_DONTWAIT | MSG_PEEK) > 0;
+}
+
+std::string ClientSocket::PeerNetwork() const {
+  sockaddr_storage peer{};
+  socklen_t size = sizeof(peer);
+  if (::getpeername(descriptor_, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return {};
+  const auto bytes_of = [](const auto& address, size_t num_bytes) {
+    return std::string(reinterpret_cast<const char*>(&address), num_bytes);
+  };
+  if (peer.ss_family == AF_INET) {
+    return bytes_of(reinterpret_cast<const sockaddr_in*>(&peer)->sin_addr, sizeof(in_addr));
+  }
+  if (peer.ss_family != AF_INET6) return {};
+  const in6_addr& address = reinterpret_cast<const sockaddr_in6*>(&peer)->sin6_addr;
+  constexpr size_t kNetworkBytes = 8;
+  return bytes_of(address, IN6_IS_ADDR_V4MAPPED(&address) ? sizeof(address) : kNetworkBytes);
 }
 
 void ClientSocket::EndWriting() const { ::shutdown(descriptor_, SHUT_WR); }

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace freelsd {
@@ -27,9 +28,14 @@ class ClientSocket {
   size_t Read(char* bytes, size_t size, SteadyTime deadline) const;
   // False if the client reads too slowly or disconnected.
   bool Write(std::string_view bytes) const;
-  // True if the client ended or the connection broke, and all bytes before that are read. A client
-  // that only ended its own sending counts as one that left.
+  // True if the client ended or the connection broke, also if bytes before that are not read yet. A
+  // client that only ended its own sending counts as one that left.
   bool HasEnded() const;
+  // True if bytes have arrived that are not read yet.
+  bool HasBytes() const;
+  // The client's address without its port. Of IPv6 the network of 64 bits, because one client has
+  // all of its addresses. Empty if there is none.
+  std::string PeerNetwork() const;
   // Tells the client that no more bytes follow.
   void EndWriting() const;
   // Ends a Read that waits in another thread.

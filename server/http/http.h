@@ -10,6 +10,7 @@
 #include "server/http/lower_case.h"
 #include "server/http/metrics.h"
 #include "server/http/multipart.h"
+#include "server/http/origin_check.h"
 #include "server/http/page.h"
 #include "server/http/priority.h"
 #include "server/http/problem.h"

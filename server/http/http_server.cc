@@ -77,7 +77,7 @@ class HeadStream : public httplib::Stream {
 }  // namespace
 
 HttpServer::HttpServer(const HttpOptions& options, Handler handler)
-    : options_(options), handler_(std::move(handler)), loop_(options_.rules) {
+    : options_(options), handler_(std::move(handler)), loop_(options_.rules, options_.num_threads) {
   set_keep_alive_timeout(kLimits.connection.max_idle_s);
   set_keep_alive_max_count(kMaxRequestsPerConnection);
   // The library's default is SO_REUSEPORT, with which a second server could share the port.
@@ -147,6 +147,7 @@ void HttpServer::Serve(ClientConnection& connection) {
     const bool is_whole = process_request(stream, is_stopping_, is_closed, nullptr);
     connection.is_last = is_closed || !is_whole || !body.IsAtEnd();
     connection.must_linger = !body.IsAtEnd();
+    connection.has_next = !connection.input.empty() || connection.socket.HasBytes();
     // Sends what the client accepts at once, without waiting for the poll loop.
     connection.output.SendTo(connection.socket);
   } catch (const std::exception&) {

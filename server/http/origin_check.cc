@@ -41,4 +41,12 @@ void CheckHostAndOrigin(const std::vector<std::string>& hosts,
   }
 }
 
+void CheckFetchSite(const FetchMetadata& fetch, bool is_page) {
+  if (LowerCase(fetch.site) != "cross-site") return;
+  const bool opens_window =
+      LowerCase(fetch.mode) == "navigate" && LowerCase(fetch.destination) == "document";
+  if (is_page && opens_window) return;
+  throw ApiError("ForbiddenOrigin", "requests from the page of another site are not accepted");
+}
+
 }  // namespace freelsd

@@ -16,4 +16,16 @@ void CheckHostAndOrigin(const std::vector<std::string>& hosts,
                         const std::vector<std::string>& origins,
                         const std::vector<std::string>& allowed_hosts);
 
+// The values of a request's Sec-Fetch headers, which browsers send; empty: absent.
+struct FetchMetadata {
+  std::string site;
+  std::string mode;
+  std::string destination;
+};
+
+// Throws ApiError ForbiddenOrigin if another site's page made the browser send the request, for
+// example by an <img>, which has no Origin. `is_page`: the request asks for a file of our own page.
+// A link from another site may open that in a window of its own.
+void CheckFetchSite(const FetchMetadata& fetch, bool is_page);
+
 }  // namespace freelsd

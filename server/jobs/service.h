@@ -29,14 +29,16 @@ constexpr size_t kMaxBytesOfPictures = size_t{32} << 20;
 
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
-  Service(Intake& in, MapCache& cache, Alternates& standing, const BaseMap& base)
+  Service(
+      Intake& in, MapCache& cache, Alternates& standing, const BaseMap& base, LongQueues& queues)
       : config(in.config),
         storage(in.storage),
         events(in.events),
         intake(in),
         maps(cache),
         alternates(standing),
-        base_map(base) {}
+        base_map(base),
+        long_queues(queues) {}
 
   const Config& config;
   Storage& storage;
@@ -45,6 +47,8 @@ struct Service {
   MapCache& maps;
   Alternates& alternates;
   const BaseMap& base_map;
+  // Of the process, as the processors are.
+  LongQueues& long_queues;
   GroundPatches ground_patches{kMaxBytesOfGroundPatches};
   // Pictures of flights' maps.
   MapPictures pictures{kMaxBytesOfPictures};
@@ -61,14 +65,6 @@ struct Service {
 
   // Guards the number of stored obstacles, from its check until they are stored.
   std::mutex obstacles_mutex;
-  // Limits the number of wind roses computed at the same time; other requests wait. One wind rose
-  // can take seconds if many paths are obstructed.
-  std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
-  // The same for the ground in reach.
-  std::counting_semaphore<> reach_planners{kLimits.concurrency.max_num_reach_planners};
-  std::counting_semaphore<> route_planners{kLimits.concurrency.max_num_route_planners};
-  // The same for files of whole maps.
-  std::counting_semaphore<> map_writers{1};
   // Limits clients that listen to events.
   std::counting_semaphore<> event_clients{kLimits.events.max_num_clients};
 };

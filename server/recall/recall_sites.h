@@ -1,6 +1,8 @@
 // Emergency recall: finds the stored sites that an aircraft without power can reach.
 #pragma once
 
+#include <functional>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include "server/recall/emergency_request.h"
@@ -13,6 +15,8 @@ namespace freelsd {
 struct StoredSites {
   const Storage& storage;
   MapCache& maps;
+  // Called before each site, map or moment that is evaluated; to give up, it throws.
+  std::function<void()> stop_if_unwanted = [] {};
 };
 
 // Returns {sites, nearest_miss?, warnings}. Thread-safe.

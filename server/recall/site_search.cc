@@ -176,6 +176,7 @@ Search SearchWithin(const StoredSites& stored,
         num_planned >= kMaxNumPlanned ||
         (num_planned > 0 && std::chrono::steady_clock::now() - begin > time_budget);
     if (search.is_cut_short) break;
+    stored.stop_if_unwanted();
     ++num_planned;
     Evaluate(stored, request, candidate, last, search);
   }

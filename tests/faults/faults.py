@@ -18,6 +18,7 @@ import aborts
 import crowds
 import disks
 import harness
+import hostile_crowds
 import hostile_images
 import kills
 import live_flights
@@ -27,6 +28,9 @@ import recalls
 import slow_clients
 from harness import Fault, end_all
 from pictures import Flight
+
+
+CROWDED = "0 recalls failed, p99 <= 30 ms and <= 1.5 times the baseline (median of the rounds)"
 
 
 def run_kills(tools, folder, flight_files, num_rounds):
@@ -70,6 +74,14 @@ ROWS = [
      "old", 5, 50, live_flights.run),
     ("crowd", "100 slow bodies, 100 slow heads, 100 idle connections, 30 readers of wind roses and a "
      "batch together (seconds)", "0 recalls failed, p99 <= 20 ms", 0, 60, crowds.run),
+    ("reach", "40 clients that ask for a wide reach without end, each against its own baseline "
+     "(rounds)", CROWDED + ", main /healthz p99 <= 100 ms", 1, 5, hostile_crowds.runner("reach")),
+    ("reports", "1200 clients that ask for a flight's report and do not read it (rounds)", CROWDED,
+     1, 5, hostile_crowds.runner("reports")),
+    ("routes", "40 clients that check a route of 60 points without end (rounds)", CROWDED, 1, 5,
+     hostile_crowds.runner("routes")),
+    ("pipelining", "1100 connections to the emergency listener, each with 100 requests at once and "
+     "slow to read (rounds)", CROWDED, 1, 5, hostile_crowds.runner("pipelining")),
     ("slow", "slow clients in front of nginx", "emergency p99 <= 50 ms, memory flat", 0, 60,
      slow_clients.run),
     ("soak", "a camera of 5 frames a second (minutes)", "memory and descriptors flat", 0, 30,

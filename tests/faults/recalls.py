@@ -30,8 +30,13 @@ def store_sites(server, folder):
     shutil.copytree(folder.parent / "sites", server.data)
 
 
+def store_flight(server, folder):
+    """The same with the flight itself."""
+    shutil.copytree(folder.parent / "sites-and-flight", server.data)
+
+
 def make_sites(tools, folder, flight_files):
-    """A data folder with the sites of a whole flight."""
+    """A data folder with the sites of a whole flight, and one with the flight too."""
     with Server(tools, folder) as server:
         flight = server.new_flight(flight_files.request)
         body, kind = multipart(
@@ -44,6 +49,9 @@ def make_sites(tools, folder, flight_files):
         status, answer = server.request("POST", f"/v1/flights/{flight}/finish")
         job = server.await_job(json.loads(answer)["id"])
         check(job["state"] == "done", f"finish: {job}")
+        server.kill(15)
+    shutil.copytree(folder, folder.parent / "sites-and-flight")
+    with Server(tools, folder) as server:
         # Images would only make copies of the folder slow.
         status, _ = server.request("DELETE", f"/v1/flights/{flight}")
         sites = server.get_json("/v1/sites")["features"]

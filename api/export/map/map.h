@@ -207,8 +207,6 @@ struct GeoTiffOptions {
   // Tiles of full size, also those that are left out: the index of the file, which is held in
   // memory, has 16 bytes for each.
   double max_num_tiles = 4e6;
-  // Called before each block is drawn; to stop, it throws.
-  std::function<void()> before_block;
 };
 
 // Tiled GeoTIFF with an overview per level, in the UTM zone of the flight's origin (WGS84; UPS near

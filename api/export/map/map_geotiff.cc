@@ -219,7 +219,6 @@ void WriteFile(const std::string& path,
     const cv::Rect all(0, 0, grid.num_cols >> level, grid.num_rows >> level);
     const PictureFrame picture = FrameOf(grid, level);
     for (const cv::Rect& block : BlocksOf(TilesWithParts(grid, level))) {
-      if (options.before_block) options.before_block();
       const cv::Rect box = cv::Rect(block.tl() * kTilePx, block.size() * kTilePx) & all;
       WriteBlock(tiff.get(), draw(PixelPlaces(picture, box, local_frame), level), box.tl());
     }

@@ -94,7 +94,6 @@ nlohmann::json LikelihoodJson(Service& service,
                               const ElevationMap& around) {
   std::optional<HeightLikelihood> found;
   try {
-    const SemaphoreSlot slot(service.rose_planners);
     found = HeightLikelihoodAt(cell.place_in_world,
                                around,
                                block,

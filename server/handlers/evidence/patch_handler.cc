@@ -30,6 +30,7 @@ void GetFramePatch(Service& service, const Call& call, httplib::Response& respon
   const double x_px = NeededPixels(call, "x_px", 0.0, kMaxPx);
   const double y_px = NeededPixels(call, "y_px", 0.0, kMaxPx);
   const auto side_px = static_cast<int>(NeededPixels(call, "side_px", 1.0, kMaxSidePx));
+  const LongPlace place(service.long_queues.plans, WantedBy(service, call));
   const cv::Mat image = [&] {
     const SemaphoreSlot slot(service.intake.decoders);
     return StoredImages(service.intake, flight.id)(call.Id("frame"));

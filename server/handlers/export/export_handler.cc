@@ -80,8 +80,10 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
   for (const StoredSite& site :
        RankedSitesOf(service, row.flight_id, SitesOfFlight(service, row.flight_id))) {
     if (site.id != row.id) continue;
-    if (std::string_view(format.name) == kReportFormat.name)
+    if (std::string_view(format.name) == kReportFormat.name) {
+      const LongPlace place(service.long_queues.files, WantedBy(service, call));
       return AnswerSiteReport(service, row, site, response);
+    }
     const std::string body = ExportSites(format.name, {site}, options);
     Answer(body, format, FileName(row.id, format, IsUnverified(site)), response);
   }

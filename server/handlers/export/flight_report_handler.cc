@@ -74,20 +74,22 @@ std::vector<SiteRow> AddSites(const Service& service, FlightReport& report) {
   return accepted;
 }
 
-std::optional<WindRose> RoseOf(Service& service, const SiteRow& row) {
+std::optional<WindRose> RoseOf(Service& service,
+                               const SiteRow& row,
+                               const StopIfUnwanted& stop_if_unwanted) {
   const auto kept = service.maps.Get(service.storage, row.id, row.updated_at_us);
   if (!kept) return std::nullopt;
-  return PlanSiteRose(service, kept, kept->replan.flight.aircraft, RoseOptions()).rose;
+  const Aircraft& aircraft = kept->replan.flight.aircraft;
+  return PlanSiteRose(service, kept, aircraft, RoseOptions(), stop_if_unwanted).rose;
 }
 
-void AddMaps(Service& service, FlightReport& report) {
+void AddMaps(Service& service, const StopIfUnwanted& stop_if_unwanted, FlightReport& report) {
   if (ReadableMaps(service, report.flight_id).empty()) return;
-  const FlightPicture picture(service, report.flight_id);
+  const FlightPicture picture(service, report.flight_id, stop_if_unwanted);
   report.local_frame = picture.Frame();
   for (const auto& map : picture.maps()) {
     if (!report.wind) report.wind = map->head.wind;
   }
-  const WriterSlot slot(service.map_writers);
   report.maps = ReportedMapsOf(service, picture);
   for (ReportedSite& site : report.sites) {
     site.ground = LandingPictureOf(picture, site.site);
@@ -115,7 +117,9 @@ void AddLeftOut(const Service& service, FlightReport& report) {
       RegionsLeftOut(service.storage.flights.ListRegions(report.flight_id), with_site);
 }
 
-FlightReport ReportOf(Service& service, const FlightRow& flight) {
+FlightReport ReportOf(Service& service,
+                      const FlightRow& flight,
+                      const StopIfUnwanted& stop_if_unwanted) {
   FlightReport report;
   report.flight_id = flight.id;
   report.name = flight.name;
@@ -127,9 +131,9 @@ FlightReport ReportOf(Service& service, const FlightRow& flight) {
   AddTimes(service, report);
   const std::vector<SiteRow> accepted = AddSites(service, report);
   report.local_frame = FrameOf(accepted);
-  AddMaps(service, report);
+  AddMaps(service, stop_if_unwanted, report);
   for (size_t i = 0; i < report.sites.size(); ++i) {
-    report.sites[i].rose = RoseOf(service, accepted[i]);
+    report.sites[i].rose = RoseOf(service, accepted[i], stop_if_unwanted);
   }
   AddLeftOut(service, report);
   return report;
@@ -142,7 +146,10 @@ void GetFlightAs(Service& service, const Call& call, httplib::Response& response
   const SiteFormat format = FormatOf(call, {kJson, kReportFormat});
   response.set_header("Vary", "Accept");
   if (std::string_view(format.name) == kJson.name) return GetFlight(service, call, response);
-  AnswerReport(FlightReportPage(ReportOf(service, ExistingFlight(service, call))), response);
+  const FlightRow flight = ExistingFlight(service, call);
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const LongPlace place(service.long_queues.files, stop_if_unwanted);
+  AnswerReport(FlightReportPage(ReportOf(service, flight, stop_if_unwanted)), response);
 }
 
 }  // namespace freelsd

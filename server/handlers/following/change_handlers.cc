@@ -10,6 +10,7 @@
 #include "server/following/following.h"
 #include "server/handlers/bounding_box.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
 
 namespace freelsd {
 namespace {
@@ -130,7 +131,7 @@ void PostChanges(Service& service, const Call& call, httplib::Response& response
 void GetStoredMap(Service& service, const Call& call, httplib::Response& response) {
   const std::optional<FlightMapRow> map = service.storage.maps.Find(MapIdOf(call));
   if (!map) throw ApiError("NoMap", "there is no such map");
-  const SemaphoreSlot slot(service.map_writers);
+  const LongPlace place(service.long_queues.files, WantedBy(service, call));
   const std::string bytes = MapBytes(service.storage, *map);
   const std::string etag = "\"" + Sha256Hex(bytes) + "\"";
   response.set_header("ETag", etag);

@@ -116,7 +116,8 @@ Rigid3d MountingOf(const Service& service, const std::string& flight_id) {
 NextLook LookOn(const Service& service,
                 const FlightMap& map,
                 const std::vector<SiteSoFar>& sites,
-                const NextLookOptions& options) {
+                const NextLookOptions& options,
+                const StopIfUnwanted& stop_if_unwanted) {
   const MapRasters ground = LookedGround(service, map);
   // All tiles may be damaged.
   if (cv::countNonZero(ground.site_map.layers.hazard != kUnseen) == 0) return {};
@@ -129,7 +130,8 @@ NextLook LookOn(const Service& service,
                       .sites = sites,
                       .rig = rig,
                       .flown = flown,
-                      .aircraft = map.aircraft};
+                      .aircraft = map.aircraft,
+                      .before_leg = stop_if_unwanted};
   if (map.head.wind) request.wind_in_world = map.head.wind->wind_in_world;
   return ChooseNextLook(request, options);
 }
@@ -158,11 +160,12 @@ void GetNextLook(Service& service, const Call& call, httplib::Response& response
   // Before the legs are chosen, which takes seconds.
   if (format == "plan") RequireAltitudes(context, export_options);
   const KnownSites sites = KnownSitesOf(service, call.Id("flight"), maps.front()->local_frame);
-  const WriterSlot slot(service.map_writers);
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const LongPlace place(service.long_queues.routes, stop_if_unwanted);
   // A long flight has several maps. The legs lie on the one where they promise most.
   std::optional<NextLook> best;
   for (const auto& map : maps) {
-    NextLook look = LookOn(service, *map, sites.so_far, options);
+    NextLook look = LookOn(service, *map, sites.so_far, options, stop_if_unwanted);
     if (!best || look.expected_gain > best->expected_gain) best = std::move(look);
   }
   if (format == "plan") {

@@ -6,6 +6,7 @@
 #include "api/api.h"
 #include "api/import/routes/routes.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
 #include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
@@ -86,8 +87,9 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
     throw ApiError("InvalidQuery", detail, {{"f", detail}});
   }
   const auto [request, wind] = RequestOf(service, call);
-  const SemaphoreSlot slot(service.route_planners);
-  nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const LongPlace place(service.long_queues.routes, stop_if_unwanted);
+  nlohmann::json answer = CheckRoute({service.storage, service.maps, stop_if_unwanted}, request);
   if (!wind.is_null()) answer["wind"] = wind;
   service.copy.AddTo(answer, NowUs());
   if (format == "geojson") {

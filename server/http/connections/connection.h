@@ -49,6 +49,7 @@ struct ClientConnection {
     kIdle,       // the first byte of a request
     kHead,       // the rest of a head
     kBody,       // the rest of a small body
+    kQueued,     // a free thread; the request is whole
     kServing,    // the serving thread
     kWriting,    // a client that reads its answer
     kLive,       // events, or a client that reads them
@@ -56,9 +57,11 @@ struct ClientConnection {
   };
 
   ClientConnection(int descriptor, const RequestRules& rules)
-      : socket(descriptor), request(rules) {}
+      : socket(descriptor), peer(socket.PeerNetwork()), request(rules) {}
 
   ClientSocket socket;
+  // See ClientSocket::PeerNetwork.
+  std::string peer;
   RequestReader request;
   // Bytes that arrived and that no request has taken.
   std::string input;
@@ -69,6 +72,9 @@ struct ClientConnection {
   SteadyTime deadline{};
   // True if the request's body is read while the request is served.
   bool has_large_body = false;
+  // True if the client did not wait for the answer to the request before this one, or does not wait
+  // for the answer to this one.
+  bool is_pipelined = false;
 
   // --- Set by the serving thread ---
   std::optional<LiveAnswer> live;
@@ -77,6 +83,8 @@ struct ClientConnection {
   // True if the request was not read completely. The connection is then closed later, because
   // closing it at once could discard an answer that the client has not read yet.
   bool must_linger = false;
+  // True if bytes of the next request arrived before the answer was sent.
+  bool has_next = false;
 };
 
 }  // namespace freelsd

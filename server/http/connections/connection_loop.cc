@@ -57,7 +57,8 @@ bool IsOutOfDescriptors(int error) {
 
 }  // namespace
 
-ConnectionLoop::ConnectionLoop(const RequestRules& rules) : rules_(rules), poller_(waker_) {}
+ConnectionLoop::ConnectionLoop(const RequestRules& rules, int max_num_served)
+    : rules_(rules), max_num_served_(max_num_served), poller_(waker_) {}
 
 void ConnectionLoop::Run(int listening_socket, Serve serve) {
   serve_ = std::move(serve);
@@ -88,6 +89,7 @@ void ConnectionLoop::Turn() {
     }
   }
   TakeBack();
+  ServeQueued();
   if (has_news_->exchange(false)) {
     connections_.ForEach(Phase::kLive, [this](ClientConnection& live) { FeedLive(live); });
   }
@@ -134,8 +136,7 @@ void ConnectionLoop::Accept() {
 
 void ConnectionLoop::Add(int descriptor) {
   auto connection = std::make_unique<ClientConnection>(descriptor, rules_);
-  const bool is_full = connections_.size() >= kLimitsOfConnections.max_num_connections;
-  if (is_full && !connections_.CloseOne()) return;
+  if (!connections_.MakeRoomFor(connection->peer)) return;
   Enter(*connection, Phase::kIdle, kIdleTimeout);
   poller_.Arm(descriptor, Poller::Interest::kRead);
   connections_.Add(std::move(connection));
@@ -147,6 +148,7 @@ void ConnectionLoop::OnReady(ClientConnection& connection) {
     case Phase::kHead:
     case Phase::kBody:
       return Receive(connection);
+    case Phase::kQueued:
     case Phase::kServing:
       return;
     case Phase::kWriting:
@@ -207,9 +209,17 @@ void ConnectionLoop::StartServing(ClientConnection& connection, bool has_large_b
     }
   }
   connection.has_large_body = has_large_body;
-  connection.phase = Phase::kServing;
+  connection.is_pipelined = connection.has_next || connection.request.HasNext(connection.input);
+  connection.phase = has_large_body ? Phase::kServing : Phase::kQueued;
   connection.since = Now();
-  serve_(connection);
+  if (has_large_body) serve_(connection);
+}
+
+void ConnectionLoop::ServeQueued() {
+  while (ClientConnection* const next = connections_.NextToServe(max_num_served_)) {
+    next->phase = Phase::kServing;
+    serve_(*next);
+  }
 }
 
 void ConnectionLoop::Refuse(ClientConnection& connection, const ApiError& error) {
@@ -358,7 +368,10 @@ void ConnectionLoop::CloseForStop() {
        {Phase::kIdle, Phase::kHead, Phase::kBody, Phase::kLive, Phase::kLingering}) {
     connections_.ForEach(phase, close);
   }
-  if (now > *stopped_at_ + kAnswerPatience) connections_.ForEach(Phase::kWriting, close);
+  if (now > *stopped_at_ + kAnswerPatience) {
+    connections_.ForEach(Phase::kQueued, close);
+    connections_.ForEach(Phase::kWriting, close);
+  }
   if (now <= *stopped_at_ + kBodyPatience) return;
   connections_.ForEach(Phase::kServing, [](ClientConnection& connection) {
     if (connection.has_large_body) connection.socket.EndReading();

@@ -22,8 +22,9 @@ class ConnectionLoop {
   // `Serve` must not wait or throw.
   using Serve = std::function<void(ClientConnection&)>;
 
-  // `rules` must outlive the loop.
-  explicit ConnectionLoop(const RequestRules& rules);
+  // `rules` must outlive the loop. At most `max_num_served` requests without a large body are
+  // passed at the same time.
+  ConnectionLoop(const RequestRules& rules, int max_num_served);
 
   // Serves until another thread calls Stop, and all requests are served. `listening_socket` stays
   // open.
@@ -48,6 +49,7 @@ class ConnectionLoop {
   void Advance(ClientConnection& connection);
   void AwaitRest(ClientConnection& connection, Phase phase);
   void StartServing(ClientConnection& connection, bool has_large_body);
+  void ServeQueued();
   void Refuse(ClientConnection& connection, const ApiError& error);
 
   // --- Sending answers ---
@@ -66,6 +68,7 @@ class ConnectionLoop {
   void CloseForStop();
 
   const RequestRules& rules_;
+  int max_num_served_;
   Serve serve_;
   std::shared_ptr<Waker> waker_ = std::make_shared<Waker>();
   std::shared_ptr<std::atomic<bool>> has_news_ = std::make_shared<std::atomic<bool>>(false);

@@ -53,7 +53,9 @@ bool ChunkScanner::IsWhole(std::string_view bytes) {
 
 bool RequestReader::FindHead(std::string& buffered) {
   // Blank lines before a request are allowed (RFC 9112, 2.2).
-  while (buffered.starts_with("\r\n")) buffered.erase(0, 2);
+  size_t num_blank = 0;
+  while (std::string_view(buffered).substr(num_blank).starts_with("\r\n")) num_blank += 2;
+  buffered.erase(0, num_blank);
   constexpr size_t kEndSize = 4;
   const size_t end =
       buffered.find("\r\n\r\n", num_searched_ < kEndSize ? 0 : num_searched_ - kEndSize);

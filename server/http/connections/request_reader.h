@@ -56,6 +56,11 @@ class RequestReader {
   // True if the client waits for "100 Continue" before it sends a small body. True only in the
   // first call.
   bool MustContinue();
+  // True if bytes follow the body of known length: the client does not wait for the answer. Valid
+  // from State::kBody on.
+  bool HasNext(const std::string& buffered) const {
+    return !head_->is_chunked && buffered.size() > head_->content_length.value_or(0);
+  }
   // Begins the next request of the connection.
   void Reset();
 

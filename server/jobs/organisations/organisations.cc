@@ -21,12 +21,13 @@ Organisation::Organisation(const Config& config,
                            const std::string& name,
                            std::unique_ptr<Storage> opened,
                            const BaseMap& base_map,
-                           size_t num_organisations)
+                           size_t num_organisations,
+                           LongQueues& long_queues)
     : storage(std::move(opened)),
       maps(CacheSizesOf(config, num_organisations)),
       intake(config, *storage, events),
       alternates(*storage, maps, events, static_cast<size_t>(config.num_alternates)),
-      service(intake, maps, alternates, base_map) {
+      service(intake, maps, alternates, base_map, long_queues) {
   const auto settings = config.organisations.find(name);
   if (settings != config.organisations.end()) intake.quotas = settings->second.quotas;
   intake.on_new_pose = [this](const std::string& flight_id) { alternates.Wake(flight_id); };
@@ -38,7 +39,12 @@ Organisations::Organisations(const Config& config,
     : config_(config),
       base_map_(base_map),
       num_organisations_(storage->claims.ListOrganisations().size()),
-      default_(config, kDefaultOrganisation, std::move(storage), base_map, num_organisations_) {}
+      default_(config,
+               kDefaultOrganisation,
+               std::move(storage),
+               base_map,
+               num_organisations_,
+               long_queues_) {}
 
 Organisations::~Organisations() = default;
 
@@ -61,8 +67,12 @@ void Organisations::ForEach(const Call& call) {
 Organisation& Organisations::Opened(const std::string& name) {
   const auto found = others_.find(name);
   if (found != others_.end()) return *found->second;
-  auto organisation = std::make_unique<Organisation>(
-      config_, name, default_.storage->ForOrganisation(name), base_map_, num_organisations_);
+  auto organisation = std::make_unique<Organisation>(config_,
+                                                     name,
+                                                     default_.storage->ForOrganisation(name),
+                                                     base_map_,
+                                                     num_organisations_,
+                                                     long_queues_);
   call_(name, *organisation);
   return *(others_[name] = std::move(organisation));
 }

@@ -17,7 +17,8 @@ struct Organisation {
                const std::string& name,
                std::unique_ptr<Storage> opened,
                const BaseMap& base_map,
-               size_t num_organisations);
+               size_t num_organisations,
+               LongQueues& long_queues);
 
   std::unique_ptr<Storage> storage;
   EventLog events;
@@ -59,6 +60,7 @@ class Organisations {
   const BaseMap& base_map_;
   // Memory is shared out among as many.
   size_t num_organisations_;
+  LongQueues long_queues_;
   // Guards call_ and others_; the entries stay.
   std::mutex mutex_;
   Call call_ = [](const std::string&, Organisation&) {};

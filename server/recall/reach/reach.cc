@@ -54,6 +54,7 @@ NearbyMaps MapsAround(const StoredSites& stored,
     rows = MapsWithin(stored, request.place, nearby.radius_m);
   }
   for (const auto& row : rows) {
+    stored.stop_if_unwanted();
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
     if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
     auto patch = patches.PatchOf(*row, terrain, frame);
@@ -201,23 +202,23 @@ double LowestOf(const std::vector<PlacedPatch>& patches) {
   return lowest;
 }
 
-// Adds the areas, and what they were computed from.
-void AddAreas(const StoredSites& stored,
-              const Task& task,
-              const NearbyMaps& maps,
-              nlohmann::json& answer) {
+// Adds the areas, and what they were computed from. Returns Reach::cells_per_side.
+int AddAreas(const StoredSites& stored,
+             const Task& task,
+             const NearbyMaps& maps,
+             nlohmann::json& answer) {
   const EmergencyRequest& request = task.request;
   answer["assumed_ground_altitude_m"] = nullptr;
   answer["cell_size_m"] = nullptr;
   answer["num_maps"] = 0;
-  if (maps.patches.empty()) return;
+  if (maps.patches.empty()) return 1;
   const double height_m = request.place.altitude_m - LowestOf(maps.patches);
   const double farthest_m =
       GreatestGlideDistance(task.start, height_m, task.aircraft, GlideOptions{});
   const double radius_m = std::min(maps.radius_m, farthest_m);
   NearbyGround nearby =
       GroundAround(task.start.position_in_world.head<2>(), radius_m, maps.patches);
-  if (nearby.num_maps == 0) return;
+  if (nearby.num_maps == 0) return 1;
   AddObstacles(stored.maps.ObstaclesNear(stored.storage, BoxAround(request.place, radius_m)),
                request,
                task.frame,
@@ -225,13 +226,16 @@ void AddAreas(const StoredSites& stored,
                nearby);
   const ReachLimits limits{request.terrain_clearance_m,
                            request.arrival_height_m,
-                           static_cast<int>(kLimits.answer.max_num_reach_vertices)};
+                           static_cast<int>(kLimits.answer.max_num_reach_vertices),
+                           kLimits.answer.max_reach_work,
+                           stored.stop_if_unwanted};
   const Reach reach = ReachOver(task, nearby, limits);
   answer["assumed_ground_altitude_m"] = nearby.assumed_altitude_m;
-  answer["cell_size_m"] = nearby.ground.grid.cell_size_m;
+  answer["cell_size_m"] = nearby.ground.grid.cell_size_m * reach.cells_per_side;
   answer["num_maps"] = nearby.num_maps;
   AddReach(reach, task.frame, answer["features"]);
   AddUnknown(reach, task.frame, nearby.assumed_altitude_m, answer["features"]);
+  return reach.cells_per_side;
 }
 
 }  // namespace
@@ -252,7 +256,7 @@ nlohmann::json ReachFrom(const StoredSites& stored,
                         {"terrain_clearance_m", request.terrain_clearance_m},
                         {"arrival_height_m", request.arrival_height_m},
                         {"aircraft", AircraftJson(task.aircraft)}};
-  AddAreas(stored, task, maps, answer);
+  const int cells_per_side = AddAreas(stored, task, maps, answer);
   nlohmann::json recalled = RecallSites(stored, request);
   for (const nlohmann::json& site : recalled["sites"]) {
     answer["features"].push_back(SiteFeature(site));
@@ -263,6 +267,12 @@ nlohmann::json ReachFrom(const StoredSites& stored,
   answer["warnings"] = std::move(recalled["warnings"]);
   if (answer["num_maps"] == 0)
     answer["warnings"].push_back("no stored map is within gliding distance");
+  if (cells_per_side > 1) {
+    answer["warnings"].push_back(
+        "so many winds and headings over so wide an area are computed on larger cells "
+        "(cell_size_m): more ground may be in reach than is shown; a given wind and heading make "
+        "the areas finer");
+  }
   if (maps.is_cut_short) {
     answer["warnings"].push_back("there are too many stored maps: farther ones are left out");
   }

@@ -136,6 +136,20 @@ TEST_CASE("wind rose: a region that is refused is refused in every wind, and too
   }
 }
 
+TEST_CASE("wind rose: one that nobody wants any more stops before the next wind") {
+  const Scene meadow = FlatMeadow(120, 120);
+  const ApproachPlanner planner(
+      meadow.map, meadow.hazards, InWind(std::nullopt), Nimble(), ApproachOptions{});
+  int num_winds = 0;
+  CHECK_THROWS_AS(PlanWindRose(planner,
+                               {4, {1.0, 2.0}},
+                               [&num_winds] {
+                                 if (++num_winds == 3) throw std::runtime_error("nobody waits");
+                               }),
+                  std::runtime_error);
+  CHECK(num_winds == 3);
+}
+
 TEST_CASE("wind rose: options are checked") {
   const auto check = [](const WindRoseOptions& options) { options.Check(); };
   CHECK_NOTHROW(check({}));

@@ -50,7 +50,9 @@ struct HalfFlight {
     options.leg_length_m = 150.0;
   }
 
-  NextLook Choose(const std::optional<Box>& area = std::nullopt) const {
+  NextLook Choose(
+      const std::optional<Box>& area = std::nullopt,
+      const std::function<void()>& before_leg = [] {}) const {
     return ChooseNextLook({.map = ground.map,
                            .layers = ground.hazards,
                            .num_views = num_views,
@@ -59,7 +61,8 @@ struct HalfFlight {
                            .flown = flown,
                            .aircraft = aircraft,
                            .wind_in_world = Eigen::Vector2d(0.0, -3.0),
-                           .area = area},
+                           .area = area,
+                           .before_leg = before_leg},
                           options);
   }
 };
@@ -103,6 +106,21 @@ TEST_CASE("next look: the leg goes where the meadow goes on, not where the wood 
     CHECK_FALSE(place.site);
     CHECK(place.touchdown_in_world.x() > 20.0);
   }
+}
+
+TEST_CASE("next look: a search that nobody wants any more stops before the next leg") {
+  HalfFlight flight = [] {
+    scene::Scene ground = scene::FlatMeadow(300, 300);
+    scene::AddUnseen(ground, {50.0, -150.0}, {150.0, 150.0});
+    return HalfFlight(std::move(ground));
+  }();
+  int num_legs = 0;
+  CHECK_THROWS_AS(flight.Choose(std::nullopt,
+                                [&num_legs] {
+                                  if (++num_legs == 3) throw std::runtime_error("nobody waits");
+                                }),
+                  std::runtime_error);
+  CHECK(num_legs == 3);
 }
 
 TEST_CASE("next look: an unverified site whose circle is unseen is told with the leg over it") {

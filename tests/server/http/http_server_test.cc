@@ -58,6 +58,9 @@ TEST_CASE("http: a serving thread can learn that its client has left") {
   CHECK_FALSE(socket.HasEnded());
   ::close(ends[1]);
   char byte = 0;
+  // What it sent before is still there.
+  CHECK(socket.HasEnded());
+  CHECK(socket.HasBytes());
   CHECK(socket.ReadNow(&byte, 1) == 1);
   CHECK(byte == 'a');
   CHECK(socket.HasEnded());
@@ -220,6 +223,30 @@ TEST_CASE("http: DELETE on a path that only reads is 405 and says what it takes"
   CHECK(result->get_header_value("Allow").find("DELETE") == std::string::npos);
   CheckProblem(fresh.client.Delete("/healthz"), 405, "MethodNotAllowed");
   CheckProblem(fresh.client.Delete("/v1/info"), 405, "MethodNotAllowed");
+}
+
+TEST_CASE("http: what another site's page makes the browser ask is refused, but a link to the page") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "index.html") << "the page";
+  FreshServer fresh([&folder](Config& config) { config.page = folder.path(); });
+  const auto status_of = [&fresh](const char* path, const char* site, const char* destination) {
+    const httplib::Headers headers{
+        {"Sec-Fetch-Site", site},
+        {"Sec-Fetch-Mode", destination == std::string("image") ? "no-cors" : "navigate"},
+        {"Sec-Fetch-Dest", destination}};
+    return fresh.client.Get(path, headers)->status;
+  };
+  constexpr char kReach[] = "/v1/reach?latitude_deg=47&longitude_deg=8&altitude_m=500";
+  CHECK(status_of(kReach, "cross-site", "image") == 403);
+  CHECK(status_of(kReach, "cross-site", "document") == 403);
+  CHECK(status_of("/healthz", "cross-site", "image") == 403);
+  CHECK(status_of("/", "cross-site", "iframe") == 403);
+  CHECK(status_of("/", "cross-site", "document") == 200);
+  for (const char* const site : {"same-origin", "none"}) {
+    CHECK(status_of(kReach, site, "document") == 200);
+    CHECK(status_of("/", site, "document") == 200);
+  }
+  CheckProblem(fresh.client.Get(kReach, {{"Sec-Fetch-Site", "cross-site"}}), 403, "ForbiddenOrigin");
 }
 
 TEST_CASE("http: malformed requests are problems too, and end the connection") {

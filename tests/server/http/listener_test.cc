@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "server/descriptors.h"
 #include "tests/server/recall/emergency_query.h"
 
 namespace freelsd {
@@ -153,6 +154,22 @@ TEST_CASE("listener: clients that do not read their answers hold no threads") {
   for (int i = 0; i < kNumAnswers; ++i) {
     REQUIRE(readers[0]->Receive().starts_with("HTTP/1.1 200"));
   }
+}
+
+TEST_CASE("listener: 1100 connections that pipeline and read slowly keep no recall from its answer") {
+  constexpr int kNumGreedy = 1100;
+  constexpr int kNumRequests = 50;
+  RaiseDescriptorLimit();
+  MeadowServer meadow(StoreAmslMeadow, WithEmergencyListener);
+  const int port = meadow.server->emergency_port();
+  httplib::Client calm = meadow.server->EmergencyClient();
+  REQUIRE(WholeAnswer(calm, Query(600, kCalmNorth))["sites"].size() == 1);
+  std::string requests;
+  for (int i = 0; i < kNumRequests; ++i) requests += HeadOf("GET", Query(600, kCalmNorth), "");
+  const Connections greedy = Open(port, kNumGreedy, requests);
+  CHECK(LongestGet(port, Query(600, kCalmNorth), 20) < kPatience);
+  // Those that are not closed are served too.
+  CHECK(greedy.back()->Receive().starts_with("HTTP/1.1 200"));
 }
 
 TEST_CASE("listener: 100 kept connections are served in turn, also two requests at once") {

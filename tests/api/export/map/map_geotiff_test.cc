@@ -295,13 +295,13 @@ TEST_CASE("map: a GeoTIFF with too many pixels or tiles is refused before anythi
 TEST_CASE("map: the writing of a GeoTIFF stops when the caller no longer wants it") {
   const auto path = TemporaryFile("stopped.tif");
   int num_asked = 0, num_blocks = 0;
-  GeoTiffOptions options;
-  options.before_block = [&num_blocks] {
+  MapSource source = FarApart(num_asked);
+  source.windows_of = [&num_blocks, windows_of = source.windows_of](const WorldBox& box,
+                                                                    int level) {
     if (++num_blocks == 3) throw ApiError("ShuttingDown", "the server is stopping");
+    return windows_of(box, level);
   };
-  CHECK_THROWS_AS(
-      WriteLayerGeoTiff(path, "slope", FarApart(num_asked), FrameAt(47.4, 11.0), options),
-      ApiError);
+  CHECK_THROWS_AS(WriteLayerGeoTiff(path, "slope", source, FrameAt(47.4, 11.0)), ApiError);
   CHECK(num_asked == 2);
   std::filesystem::remove(path);
 }

@@ -1,5 +1,7 @@
 #include "server/http/connections/request_reader.h"
 
+#include <chrono>
+
 #include <doctest/doctest.h>
 
 namespace freelsd {
@@ -38,6 +40,18 @@ TEST_CASE("request reader: a request that arrives byte by byte is whole with its
   CHECK(AfterEachByte(reader, "c", buffered) == State::kWhole);
   CHECK(buffered == "abc");
   CHECK(reader.head().target == "/x");
+}
+
+TEST_CASE("request reader: many blank lines before a request take no time") {
+  constexpr size_t kNumBlank = 2'000'000;
+  const RequestRules rules = Strict();
+  RequestReader reader(rules);
+  std::string buffered;
+  for (size_t i = 0; i < kNumBlank; ++i) buffered += "\r\n";
+  const auto begin = std::chrono::steady_clock::now();
+  CHECK(reader.Advance(buffered) == State::kNothing);
+  // Erased one by one, they would take minutes.
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(2));
 }
 
 TEST_CASE("request reader: two requests at once are found one after the other") {

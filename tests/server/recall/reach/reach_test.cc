@@ -1,6 +1,9 @@
 // The ground in reach over HTTP.
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <thread>
 
 #include <doctest/doctest.h>
 
@@ -194,6 +197,57 @@ TEST_CASE("reach: obstacles beyond the stored maps hide what lies behind them, a
   CHECK_FALSE(IsIn(after, "unknown_terrain", on_people));
   CHECK(IsIn(after, "unknown_terrain", {0.0, -1000.0}));
   CHECK(IsIn(after, "unknown_terrain", in_airspace));
+}
+
+// Number of answers with this status, by the server's own count.
+int NumAnswered(const MeadowServer& meadow, int status) {
+  const std::string metrics = meadow.client->Get("/metrics")->body;
+  const std::string key = R"(method="GET",route="/v1/reach",status=")" + std::to_string(status) +
+                          "\"} ";
+  const size_t at = metrics.find(key);
+  return at == std::string::npos ? 0 : std::stoi(metrics.substr(at + key.size()));
+}
+
+TEST_CASE("reach: a wide one is said to be coarser, and one in a known wind is not") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  const nlohmann::json wide =
+      GetJson(*meadow.client, ReachQuery(1200.0, "&altitude_datum=amsl"));
+  const nlohmann::json narrow = GetJson(*meadow.client, ReachQuery(1200.0));
+  CHECK(wide["cell_size_m"].get<double>() > narrow["cell_size_m"].get<double>());
+  CHECK(wide["warnings"].dump().find("larger cells") != std::string::npos);
+  CHECK(narrow["warnings"].dump().find("larger cells") == std::string::npos);
+  CHECK(IsIn(wide, "reach", {0.0, 0.0}));
+}
+
+TEST_CASE("reach: 40 wide ones: one is computed, four wait, the others are refused, /healthz answers") {
+  constexpr int kNumGreedy = 40;
+  constexpr int kNumTaken = 5;
+  const MeadowServer meadow(StoreAmslMeadow);
+  const std::string wide = "GET " + ReachQuery(1200.0, "&altitude_datum=amsl") +
+                           " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  std::vector<std::unique_ptr<RawConnection>> greedy;
+  for (int i = 0; i < kNumGreedy; ++i) {
+    greedy.push_back(std::make_unique<RawConnection>(meadow.server->port()));
+    greedy.back()->Send(wide);
+  }
+  const auto await = [&](const std::vector<int>& statuses, int least) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    int num = 0;
+    while (num < least && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      num = 0;
+      for (const int status : statuses) num += NumAnswered(meadow, status);
+    }
+    return num;
+  };
+  CHECK(await({429}, kNumGreedy / 2) >= kNumGreedy / 2);
+  CHECK(meadow.client->Get("/healthz")->status == 200);
+  // They leave: what is computed and what waits is given up.
+  greedy.clear();
+  CHECK(await({200, 429, 503}, kNumGreedy) == kNumGreedy);
+  CHECK(NumAnswered(meadow, 200) + NumAnswered(meadow, 503) >= kNumTaken);
+  CHECK(NumAnswered(meadow, 503) >= 1);
+  CHECK(GetJson(*meadow.client, ReachQuery(600.0))["num_maps"] == 1);
 }
 
 TEST_CASE("reach: the sites and their margins are those of emergency") {
