@@ -35,6 +35,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"NoSuchRegion", 404, "There is no such region", 0},
     {"NoSuchSite", 404, "There is no such site", 0},
     {"NoSuchLayer", 404, "There is no such layer", 0},
+    {"NoSuchNotice", 404, "There is no such notice", 0},
     {"NoSuchObstacle", 404, "There is no such obstacle", 0},
     {"NoSuchLink", 404, "There is no such link", 0},
     {"NoMap", 404, "The site has no map", 0},

@@ -63,6 +63,7 @@ StorageOptions StorageOf(const Config& config) {
   options.images_folder = config.images;
   options.is_shared = config.role.has_value();
   options.is_worker = config.role && *config.role != Role::kApi;
+  options.log_notice = [](const std::string& text) { spdlog::warn("notice: {}", text); };
   return options;
 }
 

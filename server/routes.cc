@@ -43,7 +43,7 @@ Scope ScopeOf(const Route& route) {
   if (method == "POST" && path.starts_with("/v1/links")) return Scope::kCommand;
   // Whoever may add obstacles could hide every site, and who may tell changes could invent some.
   if (method == "DELETE" || path.starts_with("/v1/obstacles") || path.starts_with("/v1/changes") ||
-      path.starts_with("/v1/maps")) {
+      path.starts_with("/v1/maps") || path.starts_with("/v1/notices")) {
     return Scope::kAdmin;
   }
   return Scope::kIngest;
@@ -148,6 +148,8 @@ constexpr Route kRoutes[] = {
     {"POST", "/v1/changes", PostChanges},
     {"GET", "/v1/maps/{flight}/{number}", GetStoredMap},
     {"PUT", "/v1/maps/{flight}/{number}", PutStoredMap},
+    {"GET", "/v1/notices", GetNotices},
+    {"POST", "/v1/notices/{notice}/acknowledge", PostAcknowledgement},
     {"GET", "/v1/links", GetLinks},
     {"GET", "/v1/links/{link}", GetLink},
     {"PUT", "/v1/links/{link}", PutLink},

@@ -39,7 +39,7 @@ class StorageBackend {
   virtual std::filesystem::path SpoolFolder() const = 0;
   virtual std::optional<std::string> WhyNotWritable() = 0;
   virtual void MarkDamaged(const std::string& why) = 0;
-  virtual std::vector<std::string> Notices() = 0;
+  virtual NoticeBoard& notices() = 0;
   virtual std::vector<PoolState> Pools() { return {}; }
   virtual std::unique_ptr<VersionHold> HoldVersions() { return nullptr; }
 
@@ -47,7 +47,7 @@ class StorageBackend {
   StorageBackend() = default;
 };
 
-std::unique_ptr<StorageBackend> OpenSqlite(const std::filesystem::path& folder);
+std::unique_ptr<StorageBackend> OpenSqlite(const StorageOptions& options);
 std::unique_ptr<StorageBackend> OpenPostgres(const StorageOptions& options);
 
 // Bytes that a disk must have free so that results still fit; with less, nothing is accepted.

@@ -25,10 +25,15 @@ void EmptyFolder(const std::filesystem::path& folder) {
   if (error) throw StorageError("create folder " + folder.string(), error.message());
 }
 
-Storage::Storage(const std::filesystem::path& folder) : Storage(OpenSqlite(folder)) {}
+Storage::Storage(const std::filesystem::path& folder)
+    : Storage([&folder] {
+        StorageOptions options;
+        options.folder = folder;
+        return options;
+      }()) {}
 
 Storage::Storage(const StorageOptions& options)
-    : Storage(options.database_url.empty() ? OpenSqlite(options.folder) : OpenPostgres(options)) {}
+    : Storage(options.database_url.empty() ? OpenSqlite(options) : OpenPostgres(options)) {}
 
 Storage::Storage(std::unique_ptr<StorageBackend> backend)
     : backend_(std::move(backend)),
@@ -64,6 +69,18 @@ std::optional<std::string> Storage::WhyNotWritable() const { return backend_->Wh
 
 void Storage::MarkDamaged(const std::string& why) const { backend_->MarkDamaged(why); }
 
-std::vector<std::string> Storage::Notices() const { return backend_->Notices(); }
+std::vector<Notice> Storage::ListNotices() const { return backend_->notices().List(); }
+
+std::vector<std::string> Storage::Notices() const {
+  std::vector<std::string> texts;
+  for (Notice& notice : ListNotices()) {
+    if (!notice.acknowledged_at_us) texts.push_back(std::move(notice.text));
+  }
+  return texts;
+}
+
+bool Storage::AcknowledgeNotice(const std::string& id) const {
+  return backend_->notices().Acknowledge(id);
+}
 
 }  // namespace freelsd

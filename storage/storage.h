@@ -9,6 +9,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,7 @@
 #include "storage/job_store.h"
 #include "storage/map_store.h"
 #include "storage/mbtiles.h"
+#include "storage/notices.h"
 #include "storage/obstacle_store.h"
 #include "storage/organisation.h"
 #include "storage/quota_store.h"
@@ -58,6 +60,8 @@ struct StorageOptions {
   double statement_timeout_s = 30.0;
   double connection_timeout_s = 5.0;
   double unused_image_age_s = 86400.0;
+  // Gets the text of each new notice, for the log. Any thread may call it.
+  std::function<void(const std::string& text)> log_notice = {};
 };
 
 // Connections to PostgreSQL that this process keeps for one purpose.
@@ -89,10 +93,10 @@ class Storage {
 
  public:
   // SQLite: opens the folder, or creates it with the database. Removes image files that no frame
-  // refers to. Sites and obstacles are stored in the main database and, as a second copy, in a
-  // database of their own. A damaged main database is moved aside together with its images; a new
-  // one then starts with the sites of the second copy. Throws StorageError and changes nothing if
-  // another process uses the folder or a newer program wrote it.
+  // refers to. A second copy of sites, maps and obstacles, in a database of its own, follows the
+  // main database. Damaged databases are moved aside, the main one together with its images; a new
+  // one then starts with what the second copy holds. A notice says so. Throws StorageError and
+  // changes nothing if another process uses the folder or a newer program wrote it.
   explicit Storage(const std::filesystem::path& folder);
   // PostgreSQL, if options.database_url is given: creates or migrates the schema. Throws
   // StorageError and changes nothing if the database cannot be reached, another process uses the
@@ -130,9 +134,13 @@ class Storage {
   // Reports that the main database is damaged. After this call this process writes nothing. SQLite:
   // sites are read from the second copy, and the next start moves the database aside.
   void MarkDamaged(const std::string& why) const;
-  // Sentences for the operator about detected damage and about files that were moved aside at this
-  // start.
+  // What the operator must know, above all about damage; oldest first, with those that are
+  // acknowledged.
+  std::vector<Notice> ListNotices() const;
+  // What was not acknowledged yet.
   std::vector<std::string> Notices() const;
+  // False if there is no such notice.
+  bool AcknowledgeNotice(const std::string& id) const;
   // Empty with SQLite.
   std::vector<PoolState> Pools() const;
   // For an answer that asks for sites and maps many times: while the returned object lives, this

@@ -99,6 +99,7 @@ export const paths = {
   // options: {legs, f, home_altitude_m}
   nextLook: (flight, options) => `/v1/flights/${part(flight)}/next-look${query(options)}`,
   links: '/v1/links',
+  notices: '/v1/notices',
   link: (link, command) => `/v1/links/${part(link)}/${command}`,
   newLook: (limit) => `/v1/sites${query({ order: 'new_look', limit })}`,
 };
@@ -128,6 +129,7 @@ export const getNewLook = (limit) => getJson(paths.newLook(limit));
 // path: of paths.nextLook.
 export const getNextLook = (path, signal) => getJson(path, { signal });
 export const getLinks = async () => (await getJson(paths.links)).links;
+export const listNotices = async () => (await getJson(paths.notices)).notices;
 export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
@@ -197,6 +199,7 @@ const postJson = async (path, object, signal) => (await call(path, {
 export const landAt = (link, site_id, wind) => postJson(paths.link(link, 'mission'), wind ? { site_id, wind } : { site_id });
 export const declareEngineFailure = (link) => postJson(paths.link(link, 'engine-failure'), {});
 export const releaseLink = (link) => postJson(paths.link(link, 'release'), {});
+export const acknowledgeNotice = (id) => postJson(`${paths.notices}/${part(id)}/acknowledge`, {});
 export const createFlight = (request) => postJson('/v1/flights', request);
 export const checkRoute = (request, signal) => postJson(paths.routeCheck, request, signal);
 export const finishFlight = async (flight) => (await call(paths.finish(flight), { method: 'POST' })).json();

@@ -127,6 +127,8 @@ void GetEvents(Service& service, const Call& call, httplib::Response& response);
 // service_handlers.cc
 void GetHealth(Service& service, const Call& call, httplib::Response& response);
 void GetReadiness(Service& service, const Call& call, httplib::Response& response);
+void GetNotices(Service& service, const Call& call, httplib::Response& response);
+void PostAcknowledgement(Service& service, const Call& call, httplib::Response& response);
 void GetMetrics(Service& service, const Call& call, httplib::Response& response);
 void GetInfo(Service& service, const Call& call, httplib::Response& response);
 void GetOpenApi(Service& service, const Call& call, httplib::Response& response);

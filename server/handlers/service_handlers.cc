@@ -52,6 +52,37 @@ void GetReadiness(Service& service, const Call&, httplib::Response& response) {
 
 namespace {
 
+nlohmann::json NoticeJson(const Notice& notice) {
+  nlohmann::json json{{"id", notice.id},
+                      {"text", notice.text},
+                      {"raised_at", Rfc3339(notice.raised_at_us)},
+                      {"acknowledged_at", nullptr}};
+  if (notice.acknowledged_at_us) json["acknowledged_at"] = Rfc3339(*notice.acknowledged_at_us);
+  return json;
+}
+
+}  // namespace
+
+void GetNotices(Service& service, const Call&, httplib::Response& response) {
+  nlohmann::json notices = nlohmann::json::array();
+  for (const Notice& notice : service.storage.ListNotices()) notices.push_back(NoticeJson(notice));
+  response.set_content(nlohmann::json{{"notices", notices}}.dump(), "application/json");
+}
+
+// Answers the notice. Recall no longer warns of it.
+void PostAcknowledgement(Service& service, const Call& call, httplib::Response& response) {
+  const std::string& id = call.Id("notice");
+  if (!service.storage.AcknowledgeNotice(id)) {
+    throw ApiError("NoSuchNotice", "there is no such notice");
+  }
+  service.alternates.WakeAll();
+  for (const Notice& notice : service.storage.ListNotices()) {
+    if (notice.id == id) response.set_content(NoticeJson(notice).dump(), "application/json");
+  }
+}
+
+namespace {
+
 template <typename Value>
 void WriteGauge(std::ostream& text, const char* name, const char* help, Value value) {
   text << "# HELP freelsd_" << name << ' ' << help << "\n# TYPE freelsd_" << name

@@ -1,4 +1,4 @@
-// The methods of Worker that the backend thread calls.
+// The methods of Worker that the backend thread calls, and how both threads repeat their steps.
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
@@ -64,6 +64,62 @@ class Mark {
 
 }  // namespace
 
+void Worker::TellHeld(const std::optional<std::string>& why) {
+  organisations_.ForEach([&why](const std::string&, Organisation& each) {
+    each.service.progress.SetHeld(why);
+    JobView view(each.service);
+    for (const JobRow& job : each.storage->jobs.ListUnfinished()) {
+      each.events.Publish("job", job.flight_id, view.Json(job).dump());
+    }
+  });
+}
+
+bool Worker::StepWithRoom(bool (Worker::*step)(), RoomWait& room) {
+  if (room.IsBegun()) {
+    if (!room.IsOver()) return false;
+    room.End();
+    if (--num_held_ == 0) TellHeld(std::nullopt);
+  }
+  try {
+    return (this->*step)();
+  } catch (const StorageError& error) {
+    if (error.fault != StorageFault::kFull) throw;
+    room.Begin();
+    ++num_held_;
+    spdlog::error("worker: {}; {}", error.what(), RoomWait::kReason);
+    TellHeld(RoomWait::kReason);
+    return false;
+  }
+}
+
+void Worker::Repeat(bool (Worker::*step)()) {
+  GiveWay();
+  while (!is_stopping_) {
+    uint64_t seen = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      seen = num_wakes_;
+    }
+    bool has_worked = false;
+    try {
+      has_worked = (this->*step)();
+    } catch (const StorageError& error) {
+      // A full disk or an I/O error: the next step retries after the idle period.
+      if (error.fault == StorageFault::kDamaged)
+        organisations_.Default().storage.MarkDamaged(error.what());
+      spdlog::error("worker: {}", error.what());
+    } catch (const std::exception& error) {
+      spdlog::error("worker: {}", error.what());
+    }
+    if (has_worked) continue;
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kIdlePeriod, [&] { return num_wakes_ != seen || is_stopping_; });
+  }
+  const std::lock_guard lock(mutex_);
+  --num_running_threads_;
+  changed_.notify_all();
+}
+
 std::vector<JobRow> Worker::ReadyFinishes() const {
   std::vector<JobRow> ready;
   for (const JobRow& job : claims_.UnfinishedJobs()) {
@@ -83,17 +139,21 @@ bool Worker::IsReadyToFinish(const std::string& flight_id) const {
       ready.begin(), ready.end(), [&](const JobRow& job) { return job.flight_id == flight_id; });
 }
 
-// Evaluates one flight: for its finish, else its best regions. Flights take turns, and so do sites
-// that are to be checked on later maps.
+// Evaluations and sites that are to be checked on later maps take turns.
 bool Worker::StepBackend() {
   const bool has_checked = CheckNextSite();
+  // Also makes room on a full disk.
   RetireImages();
+  return StepWithRoom(&Worker::Evaluate, backend_room_) || has_checked;
+}
+
+bool Worker::Evaluate() {
   const std::vector<JobRow> finishes = ReadyFinishes();
   for (const JobRow& job : finishes) due_.Add(job.flight_id);
   // Before the flight is looked up: what is evaluated is not released.
   const Mark mark(is_evaluating_);
   const std::optional<std::string> flight_id = due_.Take();
-  if (!flight_id) return ReplayNext() || has_checked;
+  if (!flight_id) return ReplayNext();
   const SessionPointer session = open_flights_.Find(*flight_id);
   if (!session) return true;
   const auto finish = std::find_if(finishes.begin(), finishes.end(), [&](const JobRow& job) {

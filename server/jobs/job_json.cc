@@ -61,16 +61,20 @@ std::optional<double> Sum(std::optional<double> a, std::optional<double> b) {
 }  // namespace
 
 JobView::JobView(const Service& service)
-    : service_(service), evaluation_(service.progress.Evaluating()) {}
+    : service_(service),
+      why_held_(service.progress.WhyHeld()),
+      evaluation_(service.progress.Evaluating()) {}
 
 nlohmann::json JobView::Json(const JobRow& job) {
   const Outlook outlook = OutlookOf(job);
   const std::optional<JobTiming> timing = service_.progress.TimingOf(job.id);
   const bool is_evaluated = evaluation_ && evaluation_->job_id == job.id;
+  const bool is_held = IsUnfinished(job) && why_held_;
+  const JobState state = is_held ? JobState::kQueued : job.state;
   nlohmann::json json{{"id", job.id},
                       {"kind", job.kind},
                       {"flight_id", job.flight_id},
-                      {"state", kStateNames[static_cast<int>(job.state)]},
+                      {"state", kStateNames[static_cast<int>(state)]},
                       {"progress", job.progress_ratio},
                       {"stage", job.stage},
                       {"stage_title", outlook.stage_title},
@@ -82,6 +86,7 @@ nlohmann::json JobView::Json(const JobRow& job) {
                       {"result", LinksOf(job)},
                       {"created_at", Rfc3339(job.created_at_us)},
                       {"started_at", nullptr}};
+  if (is_held) json["detail"]["message"] = *why_held_;
   if (timing) json["started_at"] = Rfc3339(timing->started_at_us);
   if (outlook.waits_for_evaluation) {
     json["waiting_for"] = {{"flight_id", evaluation_->flight_id},
@@ -108,6 +113,7 @@ JobView::Outlook JobView::OutlookOf(const JobRow& job) {
     if (job.state == JobState::kDone) return {"Done", SummaryOfDone(detail), std::nullopt, false};
     return {"Failed", "Failed: " + detail.value("message", "unknown reason"), std::nullopt, false};
   }
+  if (why_held_) return {"Waiting for room on the disk", *why_held_, std::nullopt, false};
   if (RunsElsewhere(job)) return OutlookOfRunning(job, std::nullopt);
   // A job that ran before a restart waits until its work goes on.
   if (job.kind != "batch") {

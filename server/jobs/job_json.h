@@ -43,6 +43,7 @@ class JobView {
   const std::vector<JobRow>& Unfinished();
 
   const Service& service_;
+  std::optional<std::string> why_held_;
   std::optional<EvaluationNow> evaluation_;
   // The following two are read when they are first needed.
   std::optional<std::vector<JobRow>> unfinished_;

@@ -53,6 +53,16 @@ void ProgressBoard::TellEvaluation(double done_ratio) {
   if (evaluation_) evaluation_->time_left.Add(NowS(), done_ratio);
 }
 
+void ProgressBoard::SetHeld(const std::optional<std::string>& why) {
+  const std::lock_guard lock(mutex_);
+  why_held_ = why;
+}
+
+std::optional<std::string> ProgressBoard::WhyHeld() const {
+  const std::lock_guard lock(mutex_);
+  return why_held_;
+}
+
 void ProgressBoard::SetArea(const std::string& area_json) {
   const std::lock_guard lock(mutex_);
   if (evaluation_) evaluation_->now.area_json = area_json;

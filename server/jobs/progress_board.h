@@ -56,7 +56,12 @@ class ProgressBoard {
   // A frame took this time.
   void AddFrameTime(double seconds);
 
+  // --- Both ---
+  // Why no job can go on: a sentence, or nothing if they can.
+  void SetHeld(const std::optional<std::string>& why);
+
   // --- All threads ---
+  std::optional<std::string> WhyHeld() const;
   std::optional<EvaluationNow> Evaluating() const;
   // Nothing if the job has not begun since the program started.
   std::optional<JobTiming> TimingOf(const std::string& job_id) const;
@@ -83,6 +88,7 @@ class ProgressBoard {
 
   // Guards all members below. At of a TimeLeft changes it.
   mutable std::mutex mutex_;
+  std::optional<std::string> why_held_;
   mutable std::optional<Evaluation> evaluation_;
   mutable std::map<std::string, Job> jobs_;
   // The keys of jobs_, in the order in which the jobs began.

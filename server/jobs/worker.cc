@@ -17,8 +17,9 @@
 namespace freelsd {
 namespace {
 
-// The worker looks for work after this time even if Wake was not called.
-constexpr std::chrono::seconds kIdlePeriod{2};
+// A full disk has ended an evaluation: it is repeated after this time even if there seems to be no
+// more room.
+constexpr std::chrono::minutes kEvaluateAgainPeriod{10};
 // Least time between two writes of a flight's regions and progress.
 constexpr std::chrono::milliseconds kStorePeriod{500};
 // How often a server that evaluates leaves flights to others before it claims one.
@@ -46,6 +47,8 @@ Worker::Worker(Organisations& organisations, Classifiers classifiers)
       open_flights_(
           [this](const std::string& id) -> const Storage& { return ServiceOf(id).storage; },
           config_.max_num_open_flights),
+      frontend_room_(config_.data, kIdlePeriod),
+      backend_room_(config_.data, kEvaluateAgainPeriod),
       frontend_thread_([this] { RunFrontend(); }),
       backend_thread_([this] { RunBackend(); }) {}
 
@@ -71,40 +74,14 @@ bool Worker::Stop(std::chrono::milliseconds patience) {
   return changed_.wait_for(lock, patience, [this] { return num_running_threads_ == 0; });
 }
 
-void Worker::Repeat(bool (Worker::*step)()) {
-  GiveWay();
-  while (!is_stopping_) {
-    uint64_t seen = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      seen = num_wakes_;
-    }
-    bool has_worked = false;
-    try {
-      has_worked = (this->*step)();
-    } catch (const StorageError& error) {
-      // A full disk or an I/O error: the next step retries after the idle period.
-      if (error.fault == StorageFault::kDamaged)
-        organisations_.Default().storage.MarkDamaged(error.what());
-      spdlog::error("worker: {}", error.what());
-    } catch (const std::exception& error) {
-      spdlog::error("worker: {}", error.what());
-    }
-    if (has_worked) continue;
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kIdlePeriod, [&] { return num_wakes_ != seen || is_stopping_; });
-  }
-  const std::lock_guard lock(mutex_);
-  --num_running_threads_;
-  changed_.notify_all();
-}
-
 void Worker::RunFrontend() { Repeat(&Worker::StepFrontend); }
 
 void Worker::RunBackend() { Repeat(&Worker::StepBackend); }
 
+bool Worker::StepFrontend() { return StepWithRoom(&Worker::StepFlights, frontend_room_); }
+
 // Processes one frame of one flight; flights take turns.
-bool Worker::StepFrontend() {
+bool Worker::StepFlights() {
   const std::vector<JobRow> jobs = claims_.UnfinishedJobs();
   std::set<std::string> busy_flights, flights_with_jobs;
   for (const JobRow& job : jobs) flights_with_jobs.insert(job.flight_id);

@@ -22,6 +22,7 @@
 #include "server/jobs/evaluation_pace.h"
 #include "server/jobs/evaluation_queue.h"
 #include "server/jobs/open_flights.h"
+#include "server/jobs/room_wait.h"
 #include "server/jobs/service.h"
 #include "server/jobs/watching/watching.h"
 
@@ -42,10 +43,13 @@ class Worker {
 
  private:
   using SessionPointer = OpenFlights::SessionPointer;
+  // Each thread looks for work after this time even if Wake was not called.
+  static constexpr std::chrono::seconds kIdlePeriod{2};
 
   // --- Frontend thread ---
   void RunFrontend();
   bool StepFrontend();
+  bool StepFlights();
   // Of what this server has, by flight: one step of the first that has something to do.
   bool StepOneOf(const std::set<std::string>& flights, const std::vector<JobRow>& jobs);
   // Claims a flight that no server works on. False if there is none.
@@ -74,6 +78,8 @@ class Worker {
   // --- Backend thread ---
   void RunBackend();
   bool StepBackend();
+  // Evaluates one flight: for its finish, else its best regions. Flights take turns.
+  bool Evaluate();
   // Takes one site that an older program stored, and checks it on later maps. False if no such site
   // is left.
   bool CheckNextSite();
@@ -91,6 +97,10 @@ class Worker {
 
   // Repeats a step while it finds work; waits otherwise.
   void Repeat(bool (Worker::*step)());
+  // Takes the step unless a full disk has ended the last one and there is no more room since.
+  bool StepWithRoom(bool (Worker::*step)(), RoomWait& room);
+  // Tells the clients of all unfinished jobs that they are held, or go on.
+  void TellHeld(const std::optional<std::string>& why);
 
   // Of the flight's organisation.
   Service& ServiceOf(const std::string& flight_id) const { return claims_.ServiceOf(flight_id); }
@@ -104,6 +114,10 @@ class Worker {
   std::map<Service*, StripWatching> watching_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<bool> is_evaluating_{false};
+  // Each belongs to its thread. A step of the frontend is short.
+  RoomWait frontend_room_;
+  RoomWait backend_room_;
+  std::atomic<int> num_held_{0};
 
   // Guards num_wakes_ and num_running_threads_.
   mutable std::mutex mutex_;

@@ -202,6 +202,7 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
                        "later, or may be");
   }
   if (search.is_cut_short) warnings.push_back("not every stored site in reach was evaluated");
+  for (const std::string& notice : stored.storage.Notices()) warnings.push_back(notice);
   answer["warnings"] = warnings;
   return answer;
 }

@@ -80,7 +80,8 @@ PostgresProcess::PostgresProcess(const StorageOptions& given)
       readers(options, kAppRole),
       writers(options, kAppRole),
       owner_pool(options),
-      listener_pool(options, kAppRole) {
+      listener_pool(options, kAppRole),
+      notices(options.folder / "notices", options.log_notice) {
   // As the user of the URI, who may own the schema. A migration rewrites whole tables.
   StorageOptions of_owner = options;
   of_owner.statement_timeout_s = std::max(kMigrationTimeoutS, options.statement_timeout_s);
@@ -92,7 +93,7 @@ PostgresProcess::PostgresProcess(const StorageOptions& given)
   ownership->Begin();
   if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
   origin = (*connection).Run("SELECT gen_random_uuid()::text")[0].Text(0);
-  notices = NoticesOf(*connection);
+  for (const std::string& text : NoticesOf(*connection)) notices.AddForNow(text);
 }
 
 ConnectionPool& PostgresProcess::Writers() {
@@ -102,8 +103,7 @@ ConnectionPool& PostgresProcess::Writers() {
 
 void PostgresProcess::MarkDamaged(const std::string& why) {
   if (is_damaged.exchange(true)) return;
-  const std::lock_guard guard(notices_mutex);
-  notices.push_back("the database is damaged (" + why +
+  notices.AddForNow("the database is damaged (" + why +
                     "): this server writes nothing until its next start");
 }
 

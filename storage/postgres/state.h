@@ -52,9 +52,8 @@ struct PostgresProcess {
   std::atomic<bool> is_damaged{false};
   // Guards the turn to change sites, within this process.
   std::mutex turns_mutex;
-  // Guards notices.
-  std::mutex notices_mutex;
-  std::vector<std::string> notices;
+  // None outlasts the process: it finds again what its start finds.
+  NoticeBoard notices;
 };
 
 // While it lives, its thread is told these versions, and does not ask the database again.

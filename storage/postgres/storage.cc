@@ -34,10 +34,7 @@ class PostgresBackend final : public StorageBackend {
   }
   void ShareSites(bool is_shared) override;
   void MarkDamaged(const std::string& why) override { state_.process->MarkDamaged(why); }
-  std::vector<std::string> Notices() override {
-    const std::lock_guard lock(state_.process->notices_mutex);
-    return state_.process->notices;
-  }
+  NoticeBoard& notices() override { return state_.process->notices; }
   std::unique_ptr<VersionHold> HoldVersions() override {
     return std::make_unique<HeldVersions>(*state_.process);
   }

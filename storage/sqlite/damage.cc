@@ -1,9 +1,11 @@
 #include "storage/sqlite/damage.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <optional>
 
+#include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/migrations.h"
 #include "storage/sqlite/sqlite.h"
 #include "storage/storage_error.h"
@@ -13,6 +15,8 @@ namespace {
 
 constexpr char kMarkName[] = "damaged";
 constexpr char kCopyMarkName[] = "damaged-copy";
+// Holds a SetAside of which no notice tells yet, each sentence in a line.
+constexpr char kSetAsideName[] = "set-aside";
 constexpr const char* kSuffixes[] = {"", "-wal", "-shm"};
 
 struct Stamp {
@@ -35,15 +39,11 @@ std::optional<Stamp> StampOf(const std::filesystem::path& file) {
                NumberOf(connection, "PRAGMA application_id")};
 }
 
-std::optional<int64_t> VersionOf(const std::filesystem::path& file) {
-  const std::optional<Stamp> stamp = StampOf(file);
-  return stamp ? std::optional(stamp->version) : std::nullopt;
-}
-
 // Also nothing if the copy cannot be read, because it then proves nothing about the database.
 std::optional<int64_t> VersionOfCopy(const std::filesystem::path& folder) {
   try {
-    return VersionOf(folder / kCopyName);
+    const std::optional<Stamp> stamp = StampOf(folder / kCopyName);
+    return stamp ? std::optional(stamp->version) : std::nullopt;
   } catch (const StorageError&) {
     return std::nullopt;
   }
@@ -69,21 +69,51 @@ void RefuseNewer(const std::filesystem::path& folder) {
   }
 }
 
+// Nothing if there is no such file.
+std::optional<std::string> ContentOf(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
 std::optional<std::string> WhyDamaged(const std::filesystem::path& folder) {
-  if (std::ifstream mark(folder / kMarkName); mark) {
-    return std::string(std::istreambuf_iterator<char>(mark), {});
-  }
-  std::optional<int64_t> version;
+  if (auto why = ContentOf(folder / kMarkName)) return why;
+  std::optional<Stamp> stamp;
   try {
-    version = VersionOf(folder / kDatabaseName);
+    stamp = StampOf(folder / kDatabaseName);
   } catch (const StorageError& error) {
     if (error.fault != StorageFault::kDamaged) throw;
     return error.what();
   }
+  if (stamp && stamp->version == kSchemaVersion) return std::nullopt;
   // The copy is migrated after the database. If only the copy has this program's version, the
   // database was lost or replaced. Files of a newer program were refused before.
-  if (version == kSchemaVersion || VersionOfCopy(folder) != kSchemaVersion) return std::nullopt;
-  return version ? "its schema version differs from its copy's" : "its file is missing";
+  const bool is_copy_current = VersionOfCopy(folder) == kSchemaVersion;
+  const bool has_content = stamp && stamp->version != 0;
+  const bool had_content = std::filesystem::exists(folder / kDatabaseFileName);
+  if (!is_copy_current && (has_content || !had_content)) return std::nullopt;
+  if (!stamp) return "its file is missing";
+  return has_content ? "its schema version differs from its copy's" : "its file is empty";
+}
+
+// `is_database_lost`: the copy is then all that could be left.
+std::optional<std::string> WhyCopyDamaged(const std::filesystem::path& folder,
+                                          bool is_database_lost) {
+  if (auto why = ContentOf(folder / kCopyMarkName)) return why;
+  try {
+    const std::optional<Stamp> stamp = StampOf(folder / kCopyName);
+    if (!stamp || stamp->version == 0) {
+      return is_database_lost ? std::optional("its file is missing or empty") : std::nullopt;
+    }
+    if (stamp->version < 0 || stamp->version > kSchemaVersion) return "its schema is not known";
+    // Reads only the columns that each start needs: checking the whole file takes too long.
+    const Connection copy(folder / kCopyName, Access::kWrite);
+    NumberOf(copy, "SELECT count(id) + max(updated_at_us) FROM sites");
+  } catch (const StorageError& error) {
+    if (error.fault != StorageFault::kDamaged) throw;
+    return error.what();
+  }
+  return std::nullopt;
 }
 
 void Move(const std::filesystem::path& from, const std::filesystem::path& to) {
@@ -109,6 +139,24 @@ void MoveDatabase(const std::filesystem::path& folder,
   }
 }
 
+SetAside ReadSetAside(const std::filesystem::path& folder) {
+  SetAside aside;
+  std::ifstream stream(folder / kSetAsideName);
+  std::getline(stream, aside.database);
+  std::getline(stream, aside.copy);
+  return aside;
+}
+
+void WriteSetAside(const std::filesystem::path& folder, const SetAside& aside) {
+  std::ofstream(folder / kSetAsideName) << aside.database << '\n' << aside.copy << '\n';
+}
+
+// Adds a sentence about another damage.
+void Add(std::string sentence, std::string& sentences) {
+  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  sentences += (sentences.empty() ? "" : "; ") + sentence;
+}
+
 }  // namespace
 
 void MarkForSettingAside(const std::filesystem::path& folder, const std::string& why) {
@@ -116,31 +164,45 @@ void MarkForSettingAside(const std::filesystem::path& folder, const std::string&
   std::ofstream(folder / kMarkName) << why;
 }
 
-void MarkCopy(const std::filesystem::path& folder) { std::ofstream(folder / kCopyMarkName) << ""; }
-
-bool TakeMarkOfCopy(const std::filesystem::path& folder) {
-  std::error_code error;
-  return std::filesystem::remove(folder / kCopyMarkName, error);
+void MarkCopy(const std::filesystem::path& folder, const std::string& why) {
+  std::ofstream(folder / kCopyMarkName) << why;
 }
 
-std::vector<std::string> SetAsideWhenDamaged(const std::filesystem::path& folder) {
+SetAside SetAsideWhenDamaged(const std::filesystem::path& folder) {
   RefuseNewer(folder);
+  SetAside aside = ReadSetAside(folder);
   const std::optional<std::string> why = WhyDamaged(folder);
-  if (!why) return {};
-  const std::string name = NewPlace(folder);
-  MoveDatabase(folder, kDatabaseName, name);
-  Move(folder / "images", folder / name / "images");
-  std::filesystem::remove(folder / kMarkName);
-  return {"the database was damaged (" + *why + "); it was moved to " + name +
-          " together with the images, and the sites were restored from the second copy"};
+  const std::optional<std::string> why_copy =
+      WhyCopyDamaged(folder, why || (!aside.database.empty() && aside.copy.empty()));
+  if (!why && !why_copy) return aside;
+  const std::string place = NewPlace(folder);
+  if (why) {
+    Add("the database was damaged (" + *why + "); what was left of it is in the folder " + place +
+            ", with the images",
+        aside.database);
+  }
+  if (why_copy) {
+    Add("the second copy of the sites was damaged (" + *why_copy +
+            "); what was left of it is in the folder " + place,
+        aside.copy);
+  }
+  // First, so that a notice tells it whatever happens next.
+  WriteSetAside(folder, aside);
+  if (why) {
+    MoveDatabase(folder, kDatabaseName, place);
+    Move(folder / "images", folder / place / "images");
+    std::filesystem::remove(folder / kMarkName);
+  }
+  if (why_copy) {
+    MoveDatabase(folder, kCopyName, place);
+    std::filesystem::remove(folder / kCopyMarkName);
+  }
+  return aside;
 }
 
-void SetCopyAside(const std::filesystem::path& folder) {
-  MoveDatabase(folder, kCopyName, NewPlace(folder));
-}
-
-void RemoveDatabase(const std::filesystem::path& file) {
-  for (const char* suffix : kSuffixes) std::filesystem::remove(file.string() + suffix);
+void ForgetSetAside(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::remove(folder / kSetAsideName, error);
 }
 
 }  // namespace freelsd

@@ -201,23 +201,18 @@ bool SqliteFlightStore::Delete(const std::string& flight_id, bool forget_sites) 
   const auto lock = state_.LockForWriting();
   std::vector<std::string> images;
   bool was_there = false;
-  {
-    Transaction transaction(state_.writer);
-    images = OwnImages(state_.writer, flight_id);
-    state_.writer.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
-    was_there = state_.writer.NumChanges() > 0;
-    transaction.Commit();
-  }
-  if (was_there && forget_sites) {
+  state_.WriteSites([&](const Connection& connection) {
+    images = OwnImages(connection, flight_id);
+    connection.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
+    was_there = connection.NumChanges() > 0;
+    if (!was_there || !forget_sites) return;
     std::vector<std::string> maps;
-    for (const FlightMapRow& map : ListMapRowsOf(state_.writer, flight_id)) maps.push_back(map.id);
-    const std::vector<std::string> photos = OwnPhotoFiles(state_.writer, maps);
+    for (const FlightMapRow& map : ListMapRowsOf(connection, flight_id)) maps.push_back(map.id);
+    const std::vector<std::string> photos = OwnPhotoFiles(connection, maps);
     images.insert(images.end(), photos.begin(), photos.end());
-    state_.WriteSites([&](const Connection& connection) {
-      DeleteSiteRowsOf(connection, flight_id);
-      DeleteMapRowsOf(connection, flight_id);
-    });
-  }
+    DeleteSiteRowsOf(connection, flight_id);
+    DeleteMapRowsOf(connection, flight_id);
+  });
   for (const std::string& sha256 : images) state_.images.Remove(sha256);
   return was_there;
 }

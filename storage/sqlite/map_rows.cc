@@ -56,23 +56,6 @@ int64_t NumberOf(const std::string& map_id) {
   return number;
 }
 
-TileKey KeyAt(const Statement& statement, int first_column) {
-  return {statement.Int(first_column),
-          statement.Int(first_column + 1),
-          statement.Int(first_column + 2)};
-}
-
-void CopyTiles(const Connection& from, const Connection& to, const std::string& map_id) {
-  Statement tiles =
-      from.Prepare("SELECT level, row, col, tile FROM map_tiles WHERE map_id = ?1 ORDER BY rowid");
-  tiles.Bind(map_id);
-  while (tiles.Step()) PutTileRows(to, map_id, {{KeyAt(tiles, 0), tiles.Text(3)}}, {});
-  Statement photos = from.Prepare(
-      "SELECT level, row, col, sha256 FROM photo_tiles WHERE map_id = ?1 ORDER BY level, row, col");
-  photos.Bind(map_id);
-  while (photos.Step()) PutTileRows(to, map_id, {}, {{KeyAt(photos, 0), photos.Text(3)}});
-}
-
 }  // namespace
 
 void PutMapRow(const Connection& writer, const FlightMapRow& map, bool is_in_force) {
@@ -99,15 +82,17 @@ void PutMapRow(const Connection& writer, const FlightMapRow& map, bool is_in_for
       .Run();
 }
 
-void PutTileRows(const Connection& writer,
-                 const std::string& map_id,
-                 const Tiles& tiles,
-                 const PhotoTiles& photo_tiles) {
+void PutTileRows(const Connection& writer, const std::string& map_id, const Tiles& tiles) {
   for (const auto& [key, tile] : tiles) {
     writer.Prepare("INSERT OR REPLACE INTO map_tiles VALUES (?1, ?2, ?3, ?4, ?5)")
         .Bind(map_id, key.level, key.row, key.col, Blob{tile})
         .Run();
   }
+}
+
+void PutPhotoTileRows(const Connection& writer,
+                      const std::string& map_id,
+                      const PhotoTiles& photo_tiles) {
   for (const auto& [key, sha256] : photo_tiles) {
     writer.Prepare("INSERT OR REPLACE INTO photo_tiles VALUES (?1, ?2, ?3, ?4, ?5)")
         .Bind(map_id, key.level, key.row, key.col, sha256)
@@ -234,30 +219,19 @@ void CheckMapRows(const Connection& connection) {
   while (statement.Step()) MapRowOf(statement);
 }
 
+std::optional<MapContent> MapContentOf(const Connection& connection, const std::string& map_id) {
+  Statement statement = connection.Prepare(
+      "SELECT checksum, is_in_force, (SELECT count(*) FROM map_tiles WHERE map_id = id) "
+      "FROM maps WHERE id = ?1");
+  if (!statement.Bind(map_id).Step()) return std::nullopt;
+  return MapContent{statement.Int(0), statement.Int(1) != 0, statement.Int(2)};
+}
+
 MapStamps MapStampsOf(const Connection& connection) {
   Statement statement = connection.Prepare("SELECT id, checksum FROM maps WHERE is_in_force = 1");
   MapStamps stamps;
   while (statement.Step()) stamps[statement.Text(0)] = statement.Int(1);
   return stamps;
-}
-
-void CopyMaps(const Connection& from, const Connection& to) {
-  const MapStamps wanted = MapStampsOf(from), present = MapStampsOf(to);
-  DeleteUnfinishedMaps(to);
-  for (const auto& [id, checksum] : present) {
-    const auto found = wanted.find(id);
-    if (found == wanted.end() || found->second != checksum) DeleteMapRow(to, id);
-  }
-  for (const auto& [id, checksum] : wanted) {
-    const auto found = present.find(id);
-    if (found != present.end() && found->second == checksum) continue;
-    const std::optional<FlightMapRow> map = FindMapRow(from, id);
-    if (!map) {
-      throw StorageError("read a map", "its row is missing from an index", StorageFault::kDamaged);
-    }
-    PutMapRow(to, *map, true);
-    CopyTiles(from, to, id);
-  }
 }
 
 }  // namespace freelsd

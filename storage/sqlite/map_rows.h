@@ -14,10 +14,11 @@ namespace freelsd {
 
 // All writes are within the caller's transaction.
 void PutMapRow(const Connection& writer, const FlightMapRow& map, bool is_in_force);
-void PutTileRows(const Connection& writer,
-                 const std::string& map_id,
-                 const Tiles& tiles,
-                 const PhotoTiles& photo_tiles);
+void PutTileRows(const Connection& writer, const std::string& map_id, const Tiles& tiles);
+// Only in the main database: the images are no part of the second copy.
+void PutPhotoTileRows(const Connection& writer,
+                      const std::string& map_id,
+                      const PhotoTiles& photo_tiles);
 void PutMapInForce(const Connection& writer, const std::string& map_id);
 // With its tiles.
 void DeleteMapRow(const Connection& writer, const std::string& map_id);
@@ -44,10 +45,17 @@ bool IsImageNeeded(const Connection& connection, const std::string& sha256);
 // Reads all rows once. Throws StorageError kDamaged if a checksum is wrong.
 void CheckMapRows(const Connection& connection);
 
+// By which two copies of a map are compared: a stored map never changes.
+struct MapContent {
+  int64_t checksum = 0;
+  bool is_in_force = false;
+  int64_t num_tiles = 0;
+};
+// Nothing if there is no such map.
+std::optional<MapContent> MapContentOf(const Connection& connection, const std::string& map_id);
+
 // Ids of maps in force with their checksums, by which two databases are compared.
 using MapStamps = std::map<std::string, int64_t>;
 MapStamps MapStampsOf(const Connection& connection);
-// Makes the maps in force of `to` equal to those of `from`.
-void CopyMaps(const Connection& from, const Connection& to);
 
 }  // namespace freelsd

@@ -32,7 +32,8 @@ void SqliteMapStore::Stage(const FlightMapRow& map,
   const auto lock = state_.LockForWriting();
   state_.WriteUnseen([&](const Connection& connection) {
     PutMapRow(connection, map, false);
-    PutTileRows(connection, map.id, tiles, photo_tiles);
+    PutTileRows(connection, map.id, tiles);
+    if (&connection == &state_.writer) PutPhotoTileRows(connection, map.id, photo_tiles);
   });
 }
 
@@ -40,8 +41,10 @@ void SqliteMapStore::StageTiles(const std::string& map_id,
                                 const Tiles& tiles,
                                 const PhotoTiles& photo_tiles) {
   const auto lock = state_.LockForWriting();
-  state_.WriteUnseen(
-      [&](const Connection& connection) { PutTileRows(connection, map_id, tiles, photo_tiles); });
+  state_.WriteUnseen([&](const Connection& connection) {
+    PutTileRows(connection, map_id, tiles);
+    if (&connection == &state_.writer) PutPhotoTileRows(connection, map_id, photo_tiles);
+  });
 }
 
 void SqliteMapStore::Discard(const std::string& map_id) {

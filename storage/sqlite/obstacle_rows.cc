@@ -6,6 +6,10 @@
 namespace freelsd {
 namespace {
 
+constexpr char kSelect[] =
+    "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, expires_at_us, "
+    "updated_at_us, checksum FROM obstacles ";
+
 int64_t ChecksumOf(const ObstacleRow& obstacle) {
   return Checksum()
       .Add(obstacle.id)
@@ -62,14 +66,19 @@ std::optional<int64_t> FindObstacleStamp(const Connection& connection, const std
   return statement.Int(0);
 }
 
+std::optional<ObstacleRow> FindObstacleRow(const Connection& connection, const std::string& id) {
+  Statement statement = connection.Prepare((std::string(kSelect) + "WHERE id = ?1").c_str());
+  statement.Bind(id);
+  if (!statement.Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
 void DeleteExpiredObstacleRows(const Connection& writer, int64_t now_us) {
   writer.Prepare("DELETE FROM obstacles WHERE expires_at_us < ?1").Bind(now_us).Run();
 }
 
 std::vector<ObstacleRow> ListObstacleRows(const Connection& connection) {
-  Statement statement = connection.Prepare(
-      "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, expires_at_us, "
-      "updated_at_us, checksum FROM obstacles ORDER BY id");
+  Statement statement = connection.Prepare((std::string(kSelect) + "ORDER BY id").c_str());
   std::vector<ObstacleRow> obstacles;
   while (statement.Step()) obstacles.push_back(RowOf(statement));
   return obstacles;
@@ -80,11 +89,6 @@ ObstacleStamps ObstacleStampsOf(const Connection& connection) {
   ObstacleStamps stamps;
   while (statement.Step()) stamps[statement.Text(0)] = statement.Int(1);
   return stamps;
-}
-
-void CopyObstacles(const Connection& from, const Connection& to) {
-  to.Execute("DELETE FROM obstacles");
-  for (const ObstacleRow& obstacle : ListObstacleRows(from)) PutObstacleRow(to, obstacle);
 }
 
 }  // namespace freelsd

@@ -14,6 +14,8 @@ namespace freelsd {
 void PutObstacleRow(const Connection& writer, const ObstacleRow& obstacle);
 // True if it existed.
 bool DeleteObstacleRow(const Connection& writer, const std::string& id);
+// Throws StorageError kDamaged if its checksum is wrong.
+std::optional<ObstacleRow> FindObstacleRow(const Connection& connection, const std::string& id);
 // Its updated_at_us.
 std::optional<int64_t> FindObstacleStamp(const Connection& connection, const std::string& id);
 void DeleteExpiredObstacleRows(const Connection& writer, int64_t now_us);
@@ -23,7 +25,5 @@ std::vector<ObstacleRow> ListObstacleRows(const Connection& connection);
 // Checksums by id.
 using ObstacleStamps = std::map<std::string, int64_t>;
 ObstacleStamps ObstacleStampsOf(const Connection& connection);
-// Makes the obstacles in `to` equal to those in `from`, in the caller's transaction.
-void CopyObstacles(const Connection& from, const Connection& to);
 
 }  // namespace freelsd

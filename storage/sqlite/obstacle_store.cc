@@ -19,9 +19,8 @@ void SqliteObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t
 bool SqliteObstacleStore::Delete(const std::string& id) {
   const auto lock = state_.LockForWriting();
   bool was_there = false;
-  state_.WriteObstacles([&](const Connection& connection) {
-    was_there = DeleteObstacleRow(connection, id) || was_there;
-  });
+  state_.WriteObstacles(
+      [&](const Connection& connection) { was_there = DeleteObstacleRow(connection, id); });
   return was_there;
 }
 
@@ -43,10 +42,8 @@ void SqliteObstacleStore::Merge(const ToldObstacles& told) {
 }
 
 std::optional<ObstacleRow> SqliteObstacleStore::Find(const std::string& id) const {
-  for (ObstacleRow& obstacle : List()) {
-    if (obstacle.id == id) return std::move(obstacle);
-  }
-  return std::nullopt;
+  return state_.ReadForRecall(
+      [&](const Connection& connection) { return FindObstacleRow(connection, id); });
 }
 
 // As recall reads sites: damage can remove rows from the main database undetected.

@@ -5,7 +5,6 @@
 #include "storage/boxes.h"
 #include "storage/sqlite/checksum.h"
 #include "storage/sqlite/map_rows.h"
-#include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/storage_error.h"
 
@@ -379,27 +378,6 @@ SiteStamps StampsOf(const Connection& connection) {
     stamps.insert({statement.Text(0), {statement.Int(1), StandingAt(statement, 2)}});
   }
   return stamps;
-}
-
-void CopySites(const Connection& from, const Connection& to) {
-  const SiteStamps wanted = StampsOf(from);
-  const SiteStamps present = StampsOf(to);
-  Transaction transaction(to);
-  for (const auto& [id, stamp] : present) {
-    if (!wanted.contains(id)) DeleteSiteRows(to, id);
-  }
-  for (const auto& [id, stamp] : wanted) {
-    const auto found = present.find(id);
-    if (found != present.end() && found->second == stamp) continue;
-    const std::optional<SiteRow> site = FindWholeSiteRow(from, id);
-    // The table has the site, but the index does not: the index is damaged.
-    if (!site)
-      throw StorageError("read a site", "its row is missing from an index", StorageFault::kDamaged);
-    PutSiteRows(to, *site, ReadMapBlob(from, id).value_or(""));
-  }
-  CopyObstacles(from, to);
-  CopyMaps(from, to);
-  transaction.Commit();
 }
 
 }  // namespace freelsd

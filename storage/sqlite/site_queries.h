@@ -54,7 +54,5 @@ struct SiteStamp {
 };
 using SiteStamps = std::map<std::string, SiteStamp>;
 SiteStamps StampsOf(const Connection& connection);
-// Makes the sites, obstacles and maps in `to` equal to those in `from`.
-void CopySites(const Connection& from, const Connection& to);
 
 }  // namespace freelsd

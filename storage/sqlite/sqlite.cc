@@ -1,6 +1,11 @@
 #include "storage/sqlite/sqlite.h"
 
 #include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "storage/storage_error.h"
 
@@ -132,6 +137,32 @@ Connection::~Connection() { sqlite3_close(database_); }
 void Connection::Execute(const char* sql) const {
   if (sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
     Fail(database_, StepName(sql));
+  }
+}
+
+std::string Connection::FileName() const {
+  return std::filesystem::path(sqlite3_db_filename(database_, "main")).filename().string();
+}
+
+void Connection::ReserveCommit() const {
+  const int code = sqlite3_db_cacheflush(database_) & 0xff;
+  if (code != SQLITE_OK && code != SQLITE_BUSY) {
+    throw StorageError("write", sqlite3_errstr(code), FaultOf(database_, code));
+  }
+  // The commit appends the first page again, to which the connection holds.
+  constexpr off_t kCommitBytes = 64 << 10;
+  const char* const log = sqlite3_filename_wal(sqlite3_db_filename(database_, "main"));
+  // SQLite has no POSIX lock on this file that closing it here could drop.
+  const int file = ::open(log, O_WRONLY | O_CLOEXEC);
+  struct stat status {};
+  const bool is_reserved =
+      file >= 0 && ::fstat(file, &status) == 0 &&
+      ::fallocate(file, FALLOC_FL_KEEP_SIZE, status.st_size, kCommitBytes) == 0;
+  const int error = is_reserved ? 0 : errno;
+  if (file >= 0) ::close(file);
+  // Other failures: the file system cannot reserve, or the commit itself tells.
+  if (error == ENOSPC || error == EDQUOT) {
+    throw StorageError("reserve room for a commit", std::strerror(error), StorageFault::kFull);
   }
 }
 

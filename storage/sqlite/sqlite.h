@@ -73,6 +73,10 @@ class Connection {
   // fails soon.
   void Interrupt() const { sqlite3_interrupt(database_); }
   int NumChanges() const { return sqlite3_changes(database_); }
+  std::string FileName() const;
+  // Writes what the open transaction has changed to the disk, and reserves the room that its commit
+  // needs. After that, a full disk cannot refuse the commit.
+  void ReserveCommit() const;
 
  private:
   sqlite3* database_ = nullptr;

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "storage/sqlite/changes/changes.h"
-#include "storage/sqlite/damage.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/migrations.h"
 #include "storage/sqlite/obstacle_rows.h"
@@ -77,30 +76,6 @@ bool OpenSchema(const Connection& writer) {
   return version == 0;
 }
 
-// The path of the copy. Removes a copy that cannot be read or is of a newer program; it is rebuilt.
-// One of an older program is migrated as the database is: until that is known to be whole, the copy
-// may be all that is left of the sites.
-std::filesystem::path UsableCopy(const std::filesystem::path& folder, bool is_database_whole) {
-  std::filesystem::path file = folder / kCopyName;
-  if (TakeMarkOfCopy(folder) && is_database_whole) RemoveDatabase(file);
-  try {
-    const Connection copy(file, Access::kWrite);
-    Statement version = copy.Prepare("PRAGMA user_version");
-    version.Step();
-    if (version.Int(0) == 0) return file;
-    if (version.Int(0) > 0 && version.Int(0) <= kSchemaVersion) {
-      // Reads only the columns that each start needs: checking the whole file takes too long.
-      Statement ids = copy.Prepare("SELECT count(id), max(updated_at_us) FROM sites");
-      ids.Step();
-      return file;
-    }
-  } catch (const StorageError& error) {
-    if (error.fault != StorageFault::kDamaged) throw;
-  }
-  RemoveDatabase(file);
-  return file;
-}
-
 // Throws StorageError kDamaged unless `sql` gives "ok".
 void ExpectOk(const Connection& connection, const char* sql) {
   Statement check = connection.Prepare(sql);
@@ -125,11 +100,38 @@ void CheckWhole(const Connection& connection) {
   CheckSites(connection);
 }
 
-void MendBoxes(const Connection& writer) {
+// What an unfinished evaluation has left, and boxes of older programs.
+void TidyUp(const Connection& writer) {
+  DeleteUnfinishedMaps(writer);
   Transaction transaction(writer);
   MendMapBoxes(writer);
   MendSiteBoxes(writer);
   transaction.Commit();
+}
+
+// False if the disk is full.
+template <typename Act>
+bool IsThereRoom(const Act& act) {
+  try {
+    act();
+    return true;
+  } catch (const StorageError& error) {
+    if (error.fault != StorageFault::kFull) throw;
+    return false;
+  }
+}
+
+std::string Counted(int64_t number, const std::string& what) {
+  return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+}
+
+// "18 sites, 1 map and 3 obstacles were restored from the second copy, written last at ...".
+std::string RestoredFrom(const Connection& copy) {
+  const NumStored num = NumStoredIn(copy);
+  const std::string written_at = InStepAt(copy);
+  return Counted(num.num_sites, "site") + ", " + Counted(num.num_maps, "map") + " and " +
+         Counted(num.num_obstacles, "obstacle") + " were restored from the second copy" +
+         (written_at.empty() ? "" : ", written last at " + written_at);
 }
 
 std::set<std::string> ImagesInUse(const Connection& writer) {
@@ -142,18 +144,22 @@ std::set<std::string> ImagesInUse(const Connection& writer) {
 
 }  // namespace
 
-StorageState::StorageState(const std::filesystem::path& data_folder)
+StorageState::StorageState(const std::filesystem::path& data_folder, const Log& given_log)
     : folder(MadeFolder(data_folder)),
       lock(folder),
-      notices(SetAsideWhenDamaged(folder)),
+      log(given_log),
+      notices(folder / "notices", given_log),
+      aside(SetAsideWhenDamaged(folder)),
       images(folder / "images"),
       writer(folder / kDatabaseName, Access::kWrite),
       readers(folder / kDatabaseName),
-      copy_writer(UsableCopy(folder, notices.empty()), Access::kWrite),
+      copy_writer(folder / kCopyName, Access::kWrite),
       copy_readers(folder / kCopyName),
       check_connection_(folder / kDatabaseName, Access::kRead),
       copy_check_connection_(folder / kCopyName, Access::kRead) {
   BringTogether();
+  // Unless there was no room to restore it yet.
+  if (!is_damaged) TellOfSetAside();
   SyncFolder(folder);
   const std::set<std::string> in_use = ImagesInUse(writer);
   images.RemoveUnless([&in_use](const std::string& sha256) { return in_use.contains(sha256); });
@@ -179,68 +185,142 @@ std::unique_lock<std::mutex> StorageState::LockForWriting() {
 void StorageState::MarkDamaged(const std::string& why) {
   if (is_damaged.exchange(true)) return;
   MarkForSettingAside(folder, why);
-  const std::lock_guard notices_lock(notices_mutex);
-  notices.push_back("the database is damaged (" + why +
+  notices.AddForNow("the database is damaged (" + why +
                     "): sites are read from the second copy, nothing is written, and the next "
                     "start moves the database aside");
 }
 
 void StorageState::MarkCopyDamaged(const std::string& why) {
-  if (!is_copy_whole.exchange(false)) return;
-  // If this write fails, the next start has to detect the damage itself.
-  MarkCopy(folder);
-  const std::lock_guard notices_lock(notices_mutex);
-  notices.push_back("the second copy of the sites is damaged (" + why +
-                    "): sites are read from the database, and the next start rebuilds the copy");
+  is_copy_whole = false;
+  if (is_copy_damaged_.exchange(true)) return;
+  MarkCopy(folder, why);
+  notices.AddForNow("the second copy of the sites is damaged (" + why +
+                    "): sites are read from the database, and the next start makes the copy anew");
 }
 
-void StorageState::WriteCopy(const std::function<void(const Connection&)>& write) {
+void StorageState::WriteSites(const Write& write, Teller teller) {
+  const VersionStep step(sites_version);
+  Transaction transaction(writer);
+  if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 1");
+  write(writer);
+  if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 0");
+  const std::unique_ptr<Transaction> copy = PrepareCopy();
+  transaction.Commit();
+  if (!copy) return;
   try {
-    Transaction transaction(copy_writer);
-    write(copy_writer);
-    transaction.Commit();
+    copy->Commit();
+    is_copy_whole = !is_copy_damaged_;
   } catch (const StorageError& error) {
-    const bool is_damage = error.fault == StorageFault::kDamaged;
-    if (is_damage) MarkCopyDamaged(error.what());
-    // The main database now has a change that the copy lacks.
+    // It is stored all the same; the next change, or the next start, brings it into the copy.
     is_copy_whole = false;
-    if (!is_damage) throw;
+    if (log) log(std::string("the second copy is behind the database: ") + error.what());
   }
 }
 
-void StorageState::BringTogether() {
-  const bool is_new = OpenSchema(writer);
-  first_map_number = FirstMapNumberOf(folder, folder / kDatabaseName, writer);
-  const auto on_copy = [](const auto& act) {
-    try {
-      return act();
-    } catch (const StorageError& error) {
-      if (error.fault != StorageFault::kDamaged) throw;
-      throw CopyDamaged(error.what());
-    }
+std::unique_ptr<Transaction> StorageState::PrepareCopy() {
+  if (is_copy_damaged_) return nullptr;
+  try {
+    if (IsInStep(writer, copy_writer)) return nullptr;
+    auto transaction = std::make_unique<Transaction>(copy_writer);
+    FollowInCopy();
+    copy_writer.ReserveCommit();
+    return transaction;
+  } catch (const CopyDamaged& error) {
+    MarkCopyDamaged(error.what());
+    return nullptr;
+  }
+}
+
+void StorageState::WriteUnseen(const Write& write) {
+  const auto commit = [&write](const Connection& connection) {
+    Transaction transaction(connection);
+    write(connection);
+    transaction.Commit();
   };
-  on_copy([&] {
-    OpenSchema(copy_writer);
+  commit(writer);
+  if (is_copy_damaged_) return;
+  try {
+    On(copy_writer, commit);
+  } catch (const CopyDamaged& error) {
+    MarkCopyDamaged(error.what());
+  }
+}
+
+void StorageState::OpenSchemas() {
+  const bool was_used = std::filesystem::exists(folder / kDatabaseFileName);
+  OpenSchema(writer);
+  first_map_number = FirstMapNumberOf(folder, folder / kDatabaseName, writer);
+  On(copy_writer, [&](const Connection& copy) {
+    if (OpenSchema(copy) && was_used && aside.IsEmpty() && LastChangeOf(writer) > 0) {
+      notices.Add("the second copy of the sites was missing; it was made anew from the database");
+    }
     // Without a feed it keeps no changes.
-    copy_writer.Execute("DELETE FROM feed; DELETE FROM changes");
+    copy.Execute("DELETE FROM feed; DELETE FROM changes; DELETE FROM photo_tiles");
   });
-  DeleteUnfinishedMaps(writer);
-  on_copy([&] { DeleteUnfinishedMaps(copy_writer); });
-  MendBoxes(writer);
-  on_copy([&] { MendBoxes(copy_writer); });
-  if (is_new) return on_copy([&] { CopySites(copy_writer, writer); });
-  // The databases differ after a kill between two commits, but also after damage. The main database
-  // is checked before its sites replace the copy's.
-  const SiteStamps sites = StampsOf(writer);
-  const auto obstacles = ObstacleStampsOf(writer);
-  const MapStamps maps = MapStampsOf(writer);
-  const bool is_same = on_copy([&] {
-    return StampsOf(copy_writer) == sites && ObstacleStampsOf(copy_writer) == obstacles &&
-           MapStampsOf(copy_writer) == maps;
+}
+
+void StorageState::BringTogether() {
+  OpenSchemas();
+  for (const Connection* each : {&writer, &copy_writer}) {
+    // What is left of them takes room, but no reader sees it.
+    (void)IsThereRoom([each] { On(*each, TidyUp); });
+  }
+  if (LastChangeOf(writer) == 0 && !Restore()) return;
+  is_copy_whole = IsThereRoom([this] { CatchUp(); });
+  if (!is_copy_whole && log) log("the second copy is behind the database: the disk is full");
+}
+
+bool StorageState::Restore() {
+  const bool is_restored = IsThereRoom([this] {
+    Transaction transaction(writer);
+    CopyAll(copy_writer, writer);
+    transaction.Commit();
   });
-  if (is_same) return;
+  if (is_restored) return true;
+  is_damaged = true;
+  notices.AddForNow(
+      "the disk has no room to restore the database from the second copy: sites are read from the "
+      "copy, and nothing is written until a start with more room");
+  return false;
+}
+
+// The databases differ after a kill between two commits, but also after damage. The main database
+// is checked before anything but its numbered changes replaces what the copy holds.
+void StorageState::CatchUp() {
+  Transaction transaction(copy_writer);
+  FollowInCopy();
+  MakeCopyEqual();
+  transaction.Commit();
+}
+
+void StorageState::FollowInCopy() {
+  if (CanFollow(writer, copy_writer)) {
+    FollowMain(writer, copy_writer);
+  } else {
+    MakeCopyEqual();
+  }
+  SetInStep(writer, copy_writer);
+}
+
+void StorageState::MakeCopyEqual() {
+  if (IsSame(writer, copy_writer)) return;
   CheckSites(writer);
-  on_copy([&] { CopySites(writer, copy_writer); });
+  CopyAll(writer, copy_writer);
+}
+
+void StorageState::TellOfSetAside() {
+  if (aside.IsEmpty()) return;
+  std::string text = aside.database;
+  if (!aside.copy.empty()) text += (text.empty() ? "" : "; ") + aside.copy;
+  if (aside.database.empty()) {
+    text += "; it was made anew from the database";
+  } else if (aside.copy.empty()) {
+    text += "; " + RestoredFrom(copy_writer);
+  } else {
+    text += "; nothing could be restored";
+  }
+  notices.Add(text);
+  ForgetSetAside(folder);
 }
 
 void StorageState::CheckWholeFiles() {
@@ -258,26 +338,21 @@ void StorageState::CheckWholeFiles() {
   is_check_over_ = true;
 }
 
-std::unique_ptr<StorageState> OpenState(const std::filesystem::path& folder) {
+std::unique_ptr<StorageState> OpenState(const std::filesystem::path& folder,
+                                        const StorageState::Log& log) {
   // An attempt can detect one damaged file; the next attempt moves that file aside.
   constexpr int kNumFiles = 2;
-  std::vector<std::string> notices;
   for (int i = 0; i < kNumFiles; ++i) {
     try {
-      auto state = std::make_unique<StorageState>(folder);
-      const std::lock_guard notices_lock(state->notices_mutex);
-      state->notices.insert(state->notices.begin(), notices.begin(), notices.end());
-      return state;
+      return std::make_unique<StorageState>(folder, log);
     } catch (const StorageError& error) {
       if (error.fault != StorageFault::kDamaged) throw;
       MarkForSettingAside(folder, error.what());
     } catch (const CopyDamaged& error) {
-      SetCopyAside(folder);
-      notices.push_back(std::string("the second copy of the sites was damaged (") + error.what() +
-                        ") and was rebuilt from the database");
+      MarkCopy(folder, error.what());
     }
   }
-  return std::make_unique<StorageState>(folder);
+  return std::make_unique<StorageState>(folder, log);
 }
 
 }  // namespace freelsd

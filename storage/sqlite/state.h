@@ -8,27 +8,22 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "storage/box_cache.h"
 #include "storage/boxes.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
+#include "storage/notices.h"
+#include "storage/sqlite/damage.h"
 #include "storage/sqlite/reader_pool.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/sqlite.h"
 #include "storage/storage_error.h"
 
 namespace freelsd {
-
-// Thrown if the second copy of the sites is damaged.
-struct CopyDamaged : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 // Whose change it is: kAbove, if the server that this one follows told it.
 enum class Teller { kThisServer, kAbove };
@@ -47,8 +42,11 @@ class VersionStep {
 
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
-  // Opens or creates both databases, and makes their sites and obstacles equal.
-  explicit StorageState(const std::filesystem::path& data_folder);
+  using Log = std::function<void(const std::string& text)>;
+  using Write = std::function<void(const Connection& connection)>;
+
+  // Opens or creates both databases, and brings the copy in step.
+  StorageState(const std::filesystem::path& data_folder, const Log& given_log);
   ~StorageState();
 
   // Throws StorageError if the main database is damaged.
@@ -103,39 +101,25 @@ struct StorageState {
     auto found = ReadSites(find);
     return found ? found : ReadForRecall(find);
   }
-  // Applies the same change of sites or maps to both databases, each in its own transaction. The
-  // caller holds LockForWriting.
-  template <typename Write>
-  void WriteSites(Write write, Teller teller = Teller::kThisServer) {
-    const VersionStep step(sites_version);
-    WriteUnseen(write, teller);
-  }
-
-  // The same for a change that no reader sees: of maps that are not in force.
-  template <typename Write>
-  void WriteUnseen(Write write, Teller teller = Teller::kThisServer) {
-    {
-      Transaction transaction(writer);
-      if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 1");
-      write(writer);
-      if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 0");
-      transaction.Commit();
-    }
-    WriteCopy(write);
-  }
-
-  // The same for obstacles. obstacles_version increases even if a write fails.
-  template <typename Write>
-  void WriteObstacles(Write write, Teller teller = Teller::kThisServer) {
+  // Changes sites, maps or obstacles in the main database in one commit, which decides; the copy
+  // follows. The copy's part is on disk before that commit, so that a full disk refuses both or
+  // none. A kill between the two commits leaves the copy behind until the next start. The caller
+  // holds LockForWriting.
+  void WriteSites(const Write& write, Teller teller = Teller::kThisServer);
+  // Writes rows of maps that are not in force, which no reader sees, to both databases.
+  void WriteUnseen(const Write& write);
+  // As WriteSites. obstacles_version increases even if a write fails.
+  void WriteObstacles(const Write& write, Teller teller = Teller::kThisServer) {
     const VersionStep step(obstacles_version);
     WriteSites(write, teller);
   }
 
   std::filesystem::path folder;
   FolderLock lock;
-  // Guards notices.
-  std::mutex notices_mutex;
-  std::vector<std::string> notices;
+  Log log;
+  NoticeBoard notices;
+  // Done before any file is opened.
+  SetAside aside;
   ImageFiles images;
   // Guards the turn to change sites. Taken before write_mutex.
   std::mutex turns_mutex;
@@ -147,7 +131,7 @@ struct StorageState {
   Connection copy_writer;
   ReaderPool copy_readers;
   std::atomic<bool> is_damaged{false};
-  // True while the copy is undamaged and has every site of the main database.
+  // True while the copy is undamaged and has all that the main database has committed.
   std::atomic<bool> is_copy_whole{true};
   // Increases when any site or obstacle changes.
   std::atomic<uint64_t> sites_version{1};
@@ -165,12 +149,25 @@ struct StorageState {
   int64_t first_map_number = 1;
 
  private:
-  void WriteCopy(const std::function<void(const Connection&)>& write);
   void MarkCopyDamaged(const std::string& why);
-  // Makes the sites and obstacles of both databases equal. Throws StorageError kDamaged if the main
-  // database is damaged, CopyDamaged if the copy is.
+  // At the start. Throws StorageError kDamaged if the main database is damaged, CopyDamaged if the
+  // copy is.
   void BringTogether();
+  void OpenSchemas();
+  // Fills a new main database from the copy. False if there is no room: recall reads the copy then,
+  // and the next start tries again.
+  bool Restore();
+  void CatchUp();
+  // Within transactions on both: brings what the copy lacks into it.
+  void FollowInCopy();
+  void MakeCopyEqual();
+  // The copy with all changes of the open transaction on the main database, ready to commit.
+  // Nothing if the copy is damaged, or lacks nothing.
+  std::unique_ptr<Transaction> PrepareCopy();
+  void TellOfSetAside();
   void CheckWholeFiles();
+
+  std::atomic<bool> is_copy_damaged_{false};
 
   // A thread checks both files completely, once. Without the thread, this check would delay the
   // start too long.
@@ -181,6 +178,7 @@ struct StorageState {
 };
 
 // Opens the folder. If a file is damaged, moves it aside and opens the folder without it.
-std::unique_ptr<StorageState> OpenState(const std::filesystem::path& folder);
+std::unique_ptr<StorageState> OpenState(const std::filesystem::path& folder,
+                                        const StorageState::Log& log);
 
 }  // namespace freelsd

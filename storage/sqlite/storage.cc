@@ -7,7 +7,8 @@ namespace {
 
 class SqliteBackend final : public StorageBackend {
  public:
-  explicit SqliteBackend(const std::filesystem::path& folder) : state_(OpenState(folder)) {
+  explicit SqliteBackend(const StorageOptions& options)
+      : state_(OpenState(options.folder, options.log_notice)) {
     EmptyFolder(SpoolFolder());
   }
 
@@ -32,10 +33,7 @@ class SqliteBackend final : public StorageBackend {
   }
   void ShareSites(bool /*is_shared*/) override {}
   void MarkDamaged(const std::string& why) override { state_->MarkDamaged(why); }
-  std::vector<std::string> Notices() override {
-    const std::lock_guard lock(state_->notices_mutex);
-    return state_->notices;
-  }
+  NoticeBoard& notices() override { return state_->notices; }
 
  private:
   std::unique_ptr<StorageState> state_;
@@ -66,8 +64,8 @@ std::optional<std::string> SqliteBackend::WhyNotWritable() {
 
 }  // namespace
 
-std::unique_ptr<StorageBackend> OpenSqlite(const std::filesystem::path& folder) {
-  return std::make_unique<SqliteBackend>(folder);
+std::unique_ptr<StorageBackend> OpenSqlite(const StorageOptions& options) {
+  return std::make_unique<SqliteBackend>(options);
 }
 
 }  // namespace freelsd

@@ -15,19 +15,34 @@ DISK_BYTES = 24 << 20
 class SmallDisk:
     """A tmpfs of its own size; raises OSError where this process may not mount."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, num_bytes=DISK_BYTES):
         self.folder = str(folder)
+        self.num_bytes = num_bytes
         self.libc = ctypes.CDLL(None, use_errno=True)
 
     def __enter__(self):
         os.makedirs(self.folder, exist_ok=True)
-        options = f"size={DISK_BYTES}".encode()
+        options = f"size={self.num_bytes}".encode()
         if self.libc.mount(b"tmpfs", self.folder.encode(), b"tmpfs", 0, options) != 0:
             raise OSError(ctypes.get_errno(), "this process may not mount a small disk")
         return self
 
     def __exit__(self, *_):
         self.libc.umount2(self.folder.encode(), 2)
+
+    def fill(self, num_left):
+        """Takes all room but that many bytes."""
+        self.make_room()
+        status = os.statvfs(self.folder)
+        num_bytes = status.f_bavail * status.f_frsize - num_left
+        if num_bytes > 0:
+            with open(os.path.join(self.folder, "filler"), "wb") as file:
+                os.posix_fallocate(file.fileno(), 0, num_bytes)
+
+    def make_room(self):
+        filler = os.path.join(self.folder, "filler")
+        if os.path.exists(filler):
+            os.remove(filler)
 
 
 def camera_request(width_px, height_px):

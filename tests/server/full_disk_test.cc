@@ -1,32 +1,17 @@
 // A disk without space: writes are 507, reads go on, and space that returns is used.
-#include <cstring>
+#include <chrono>
+#include <fstream>
+#include <set>
+#include <thread>
 
 #include <doctest/doctest.h>
-#include <sys/mount.h>
 
 #include "tests/server/child.h"
+#include "tests/server/sample_flight.h"
+#include "tests/storage/small_disk.h"
 
 namespace freelsd {
 namespace {
-
-// A file system of its own size; nothing where this process may not mount.
-class SmallDisk {
- public:
-  explicit SmallDisk(const std::filesystem::path& folder) : folder_(folder) {
-    std::filesystem::create_directories(folder_);
-    is_mounted_ = ::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=6m") == 0;
-  }
-  ~SmallDisk() {
-    if (is_mounted_) ::umount2(folder_.c_str(), MNT_DETACH);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  bool is_mounted() const { return is_mounted_; }
-
- private:
-  std::filesystem::path folder_;
-  bool is_mounted_ = false;
-};
 
 // PNGs of noise do not shrink: about 230 kB each.
 std::string LargeImage(int seed) { return NoiseImage(seed, 320, 240, ".png"); }
@@ -35,7 +20,7 @@ TEST_CASE(
     "full disk: an upload is 507 and stores nothing, reads go on, space that returns is used") {
   constexpr int kMaxNumUploads = 200;
   const TemporaryFolder folder;
-  const SmallDisk disk(folder.path() / "data");
+  const SmallDisk disk(folder.path() / "data", "6m");
   if (!disk.is_mounted()) {
     MESSAGE("skipped: this process may not mount a small file system");
     return;
@@ -72,11 +57,92 @@ TEST_CASE(
   CHECK(space.available > space.capacity / 32);
   CHECK(client.Delete("/v1/flights/" + unwanted)->status == 204);
   // More room on the same disk; the server is not started again.
-  const std::filesystem::path data = folder.path() / "data";
-  REQUIRE(::mount("tmpfs", data.c_str(), "tmpfs", MS_REMOUNT, "size=64m") == 0);
+  REQUIRE(disk.Resize("64m"));
   const std::string id = std::to_string(num_stored);
   CHECK(PutFrame(client, flight, id, LargeImage(num_stored), SomeMeta(num_stored))->status == 201);
   CHECK(FrameList(client, flight).size() == static_cast<size_t>(num_stored + num_small) + 1);
+}
+
+TEST_CASE("full disk: an obstacle whose change is refused is as before, also after damage") {
+  const TemporaryFolder folder;
+  const std::filesystem::path data = folder.path() / "disk/data";
+  const SmallDisk disk(folder.path() / "disk", "12m");
+  if (!disk.is_mounted()) {
+    MESSAGE("skipped: this process may not mount a small file system");
+    return;
+  }
+  const auto mast = [](const std::string& id) {
+    return R"({"type":"Feature","id":")" + id +
+           R"(","geometry":{"type":"Point","coordinates":[8,47]},)"
+           R"("properties":{"kind":"mast","height_m":30}})";
+  };
+  std::set<std::string> accepted;
+  int num_refused = 0;
+  {
+    const TestServer server(TestConfig(data));
+    httplib::Client client = server.Client();
+    for (int i = 0; i < 30; ++i) {
+      const std::string id = "mast-" + std::to_string(i);
+      const std::string path = "/v1/obstacles/" + id;
+      REQUIRE(client.Put(path, mast(id), "application/json")->status == 201);
+      disk.Fill(static_cast<uint64_t>(i) * 4096);
+      const auto deleted = client.Delete(path);
+      const std::string other = "other-" + std::to_string(i);
+      const auto put = client.Put("/v1/obstacles/" + other, mast(other), "application/json");
+      for (const auto& [result, name] : {std::pair(deleted, id), std::pair(put, other)}) {
+        if (result->status < 300) continue;
+        CheckProblem(result, 507, "StorageFull");
+        ++num_refused;
+      }
+      if (deleted->status != 204) accepted.insert(id);
+      if (put->status == 201) accepted.insert(other);
+      disk.MakeRoom();
+    }
+  }
+  CHECK(num_refused > 0);
+  std::ofstream(data / "freelsd.db") << std::string(20000, 'x');
+  const TestServer server(TestConfig(data));
+  httplib::Client client = server.Client();
+  std::set<std::string> stored;
+  for (const auto& each : GetJson(client, "/v1/obstacles")["features"]) stored.insert(each["id"]);
+  CHECK(stored == accepted);
+}
+
+TEST_CASE("full disk: a finish stops with the reason, and goes on when there is room") {
+  const TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk", "60m");
+  if (!disk.is_mounted()) {
+    MESSAGE("skipped: this process may not mount a small file system");
+    return;
+  }
+  Config config = TestConfig(folder.path() / "disk/data");
+  config.model = RealModel();
+  const TestServer server(config);
+  httplib::Client client = server.Client();
+  const std::string flight = PostSampleFlight(client, 0, kNumSampleFrames / 2);
+  const nlohmann::json jobs = GetJson(client, "/v1/jobs")["jobs"];
+  AwaitJob(client, jobs[0]["id"]);
+  const std::string job = Finish(client, flight);
+  disk.Fill(0);
+  nlohmann::json view;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    view = GetJson(client, "/v1/jobs/" + job);
+  } while (!view["detail"].contains("message") && std::chrono::steady_clock::now() < deadline);
+  INFO(view.dump());
+  CHECK(view["state"] == "queued");
+  CHECK(view["detail"]["message"].get<std::string>().find("the disk is full") == 0);
+  CHECK(view["summary"] == view["detail"]["message"]);
+  CHECK(view["time_left_s"].is_null());
+  // It does not begin again by itself.
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  CHECK(GetJson(client, "/v1/jobs/" + job)["detail"].contains("message"));
+  CHECK(GetJson(client, "/v1/flights/" + flight)["num_sites"] == 0);
+  disk.MakeRoom();
+  const nlohmann::json ended = AwaitJob(client, job);
+  CHECK(ended["state"] == "done");
+  CHECK_FALSE(ended["detail"].contains("message"));
 }
 
 TEST_CASE("full disk: a file that cannot grow is 507 too, without any privilege to test it") {

@@ -230,6 +230,7 @@ nlohmann::json CheckRoute(const StoredSites& stored, const RouteRequest& request
       {"fixes", nlohmann::json::array()},
       {"samples", nlohmann::json::array()},
       {"warnings", WarningsOf(request, insurance)}};
+  for (const std::string& notice : stored.storage.Notices()) answer["warnings"].push_back(notice);
   for (const RouteGap& gap : insurance.gaps) answer["gaps"].push_back(GapJson(gap, times));
   if (const auto point = PointOfNoReturn(insurance)) answer["point_of_no_return"] = *point;
   for (const InsuredMoment& insured : insurance.moments) {

@@ -11,7 +11,6 @@
 namespace freelsd {
 namespace {
 
-constexpr char kName[] = "database-file";
 // More maps than a flight gets between a backup and its return.
 constexpr int64_t kMapsOfRestore = 1000000;
 
@@ -34,15 +33,15 @@ int64_t FirstMapNumberOf(const std::filesystem::path& folder,
                          const Connection& writer) {
   DatabaseFile now = FileAt(database);
   DatabaseFile before;
-  std::ifstream known(folder / kName);
+  std::ifstream known(folder / kDatabaseFileName);
   const bool is_first = !known.is_open();
   known >> before.device >> before.inode >> before.num_restores;
   const bool is_same = known && before.device == now.device && before.inode == now.inode;
   now.num_restores = before.num_restores + (is_first || is_same ? 0 : 1);
   if (!is_first && !is_same) writer.Execute("UPDATE feed SET id = lower(hex(randomblob(8)))");
   if (!is_same) {
-    std::ofstream(folder / kName) << now.device << ' ' << now.inode << ' ' << now.num_restores
-                                  << '\n';
+    std::ofstream(folder / kDatabaseFileName)
+        << now.device << ' ' << now.inode << ' ' << now.num_restores << '\n';
   }
   return 1 + kMapsOfRestore * now.num_restores;
 }

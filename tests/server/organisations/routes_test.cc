@@ -111,6 +111,8 @@ std::vector<Walk> OtherWalks() {
        200,
        0,
        std::string(R"({"type":"FeatureCollection","features":[)") + kFeature + "]}"},
+      {"GET /v1/notices", "/v1/notices", 200},
+      {"POST /v1/notices/{notice}/acknowledge", "/v1/notices/1/acknowledge", 404, 404},
       {"GET /v1/links", "/v1/links", 200},
       {"GET /v1/links/{link}", "/v1/links/north-link"},
       {"POST /v1/links/{link}/mission",

@@ -118,22 +118,86 @@ TEST_CASE("damage: lost places in the copy are told, and the next start makes it
     CHECK(storage.flights.Find("f"));
   }
   const Storage storage(folder.path());
-  CHECK(storage.Notices().empty());
+  REQUIRE(storage.Notices().size() == 1);
+  CHECK(storage.Notices()[0].find("made anew from the database") != std::string::npos);
   CHECK(HasBoth(storage));
 }
 
-TEST_CASE("damage: with both files spoilt it starts, without sites") {
+void SpoilBoth(const std::filesystem::path& folder, const std::string& kind) {
+  for (const char* const name : {"freelsd.db", "recall.db"}) {
+    const std::filesystem::path file = folder / name;
+    if (kind == "head") Spoil(file, 0, 4096);
+    if (kind == "pages") Spoil(file, 4096, std::filesystem::file_size(file) - 4096);
+    if (kind == "cut") std::filesystem::resize_file(file, 0);
+    if (kind == "gone") std::filesystem::remove(file);
+  }
+}
+
+TEST_CASE("damage: both damaged: both are set aside, and a notice says that nothing was restored") {
+  for (const std::string kind : {"head", "pages", "cut", "gone"}) {
+    CAPTURE(kind);
+    const TemporaryFolder folder;
+    StoreTwoSites(folder.path());
+    SpoilBoth(folder.path(), kind);
+    {
+      Storage storage(folder.path());
+      CHECK(storage.sites.List(std::nullopt, std::nullopt).empty());
+      REQUIRE(storage.Notices().size() == 1);
+      CHECK(storage.Notices()[0].find("nothing could be restored") != std::string::npos);
+      CHECK(storage.Notices()[0].find("were restored") == std::string::npos);
+      storage.flights.Insert(SomeFlight("g"));
+      CHECK(storage.flights.Find("g"));
+    }
+    int num_kept = 0;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(folder.path())) {
+      const bool is_aside = file.path().string().find("/damaged-") != std::string::npos;
+      num_kept += is_aside && file.path().extension() == ".db";
+    }
+    CHECK(num_kept == (kind == "gone" ? 0 : 2));
+    // It is told until it is acknowledged.
+    const Storage again(folder.path());
+    REQUIRE(again.Notices().size() == 1);
+    CHECK(again.AcknowledgeNotice(again.ListNotices()[0].id));
+    CHECK(again.Notices().empty());
+    CHECK(again.ListNotices().size() == 1);
+  }
+}
+
+TEST_CASE("damage: the notice says how much was restored, and how old it is") {
   const TemporaryFolder folder;
   StoreTwoSites(folder.path());
-  for (const char* const name : {"freelsd.db", "recall.db"}) {
-    const std::filesystem::path file = folder.path() / name;
-    Spoil(file, 4096, std::filesystem::file_size(file) - 4096);
-  }
-  Storage storage(folder.path());
-  CHECK(storage.sites.List(std::nullopt, std::nullopt).empty());
-  CHECK_FALSE(storage.Notices().empty());
-  storage.flights.Insert(SomeFlight("g"));
-  CHECK(storage.flights.Find("g"));
+  Spoil(folder.path() / "freelsd.db", 0, 4096);
+  const Storage storage(folder.path());
+  REQUIRE(storage.Notices().size() == 1);
+  const std::string notice = storage.Notices()[0];
+  CHECK(notice.find("2 sites, 0 maps and 0 obstacles were restored") != std::string::npos);
+  CHECK(notice.find("written last at 20") != std::string::npos);
+}
+
+TEST_CASE("damage: of the copy alone: a notice and a line of the log") {
+  const TemporaryFolder folder;
+  StoreTwoSites(folder.path());
+  Spoil(folder.path() / "recall.db", 4096, 40000);
+  std::vector<std::string> logged;
+  StorageOptions options;
+  options.folder = folder.path();
+  options.log_notice = [&logged](const std::string& text) { logged.push_back(text); };
+  const Storage storage(options);
+  REQUIRE(storage.Notices().size() == 1);
+  CHECK(logged == storage.Notices());
+  CHECK(HasBoth(storage));
+}
+
+TEST_CASE("damage: a restart amid the restoring takes nothing from the copy") {
+  const TemporaryFolder folder;
+  const TemporaryFolder fresh;
+  StoreTwoSites(folder.path());
+  { const Storage storage(fresh.path()); }
+  // The new database has a schema, but nothing from the copy yet.
+  std::filesystem::copy_file(fresh.path() / "freelsd.db",
+                             folder.path() / "freelsd.db",
+                             std::filesystem::copy_options::overwrite_existing);
+  CHECK(HasBoth(Storage(folder.path())));
 }
 
 TEST_CASE("damage: a database that is damaged, cut or gone is set aside, and sites stay") {
@@ -205,10 +269,11 @@ TEST_CASE("damage: a copy that is damaged or gone is made anew") {
   Spoil(copy, 0, 4096);
   {
     const Storage storage(folder.path());
-    CHECK(storage.Notices().empty());
+    REQUIRE(storage.Notices().size() == 1);
+    CHECK(storage.Notices()[0].find("made anew from the database") != std::string::npos);
   }
   std::filesystem::remove(copy);
-  { const Storage storage(folder.path()); }
+  CHECK(Storage(folder.path()).Notices().size() == 2);
   Spoil(folder.path() / "freelsd.db", 0, 4096);
   CHECK(HasBoth(Storage(folder.path())));
 }

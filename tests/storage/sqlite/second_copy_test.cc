@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -7,6 +8,7 @@
 #include "storage/storage.h"
 #include "tests/storage/antimeridian.h"
 #include "tests/storage/rows.h"
+#include "tests/storage/small_disk.h"
 #include "tests/storage/sqlite/damage.h"
 
 namespace freelsd {
@@ -97,6 +99,86 @@ TEST_CASE("obstacles: a change that reached the main database alone reaches the 
   // As if the process was killed between the two commits.
   Execute(folder.path() / "recall.db", "DELETE FROM obstacles");
   CHECK(Storage(folder.path()).obstacles.Find("wire"));
+}
+
+TEST_CASE("second copy: a change of the same stamp reaches the copy after a kill, too") {
+  const TemporaryFolder folder;
+  const std::filesystem::path copy = folder.path() / "recall.db";
+  { Storage(folder.path()).sites.Put(SomeSite("s", 50.0, 8.0), ""); }
+  std::filesystem::copy_file(copy, folder.path() / "former");
+  SiteRow changed = SomeSite("s", 50.0, 8.0);
+  changed.feature_json = R"({"changed":1})";
+  { Storage(folder.path()).sites.Put(changed, ""); }
+  // The process was killed between the two commits.
+  std::filesystem::rename(folder.path() / "former", copy);
+  { const Storage storage(folder.path()); }
+  LoseMainDatabase(folder);
+  CHECK(Storage(folder.path()).sites.Find("s")->feature_json == changed.feature_json);
+}
+
+TEST_CASE("second copy: what a full disk refuses is in neither database") {
+  const TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk", "8m");
+  if (!disk.is_mounted()) {
+    MESSAGE("skipped: this process may not mount a small file system");
+    return;
+  }
+  const auto name = [](int i) { return "mast-" + std::to_string(i); };
+  int num_refused = 0;
+  std::set<std::string> accepted;
+  {
+    Storage storage(folder.path() / "disk");
+    for (int i = 0; i < 60; ++i) {
+      disk.Fill(static_cast<uint64_t>(i) * 4096);
+      try {
+        storage.obstacles.Put({SomeObstacle(name(i))}, kNowUs);
+        accepted.insert(name(i));
+      } catch (const StorageError& error) {
+        CHECK(error.fault == StorageFault::kFull);
+        CHECK_FALSE(storage.obstacles.Find(name(i)));
+        ++num_refused;
+      }
+    }
+    disk.MakeRoom();
+  }
+  CHECK(num_refused > 0);
+  REQUIRE_FALSE(accepted.empty());
+  for (const bool is_main_lost : {false, true}) {
+    CAPTURE(is_main_lost);
+    if (is_main_lost) Spoil(folder.path() / "disk/freelsd.db", 0, 4096);
+    std::set<std::string> stored;
+    for (const auto& obstacle : Storage(folder.path() / "disk").obstacles.List()) {
+      stored.insert(obstacle.id);
+    }
+    CHECK(stored == accepted);
+  }
+}
+
+TEST_CASE("second copy: without room to restore it, recall reads it, and a later start restores") {
+  const TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk", "8m");
+  if (!disk.is_mounted()) {
+    MESSAGE("skipped: this process may not mount a small file system");
+    return;
+  }
+  const std::filesystem::path data = folder.path() / "disk";
+  {
+    Storage storage(data);
+    storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, 0, 0}, std::string(900000, 'm')}}, {});
+    storage.sites.PutEvaluation({{SomeSite("f-r1", 50.0, 8.0)}, {}, {"f/1"}, {}}, {});
+  }
+  Spoil(data / "freelsd.db", 0, 4096);
+  disk.Fill(uint64_t{700} << 10);
+  {
+    const Storage storage(data);
+    CHECK(storage.sites.Find("f-r1"));
+    CHECK(storage.WhyNotWritable());
+    CHECK_FALSE(storage.Notices().empty());
+  }
+  disk.MakeRoom();
+  const Storage storage(data);
+  CHECK(storage.sites.Find("f-r1"));
+  CHECK(storage.maps.ReadTile("f/1", {0, 0, 0})->size() == 900000);
 }
 
 TEST_CASE("obstacles: a row that was changed outside counts as damage, the copy's is read") {
