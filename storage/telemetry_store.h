@@ -42,8 +42,8 @@ class TelemetryStore {
   // therefore correct even if the clock was set back. If there is no such flight, writes nothing
   // and returns false.
   virtual bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) = 0;
-  // Of a kind: the row that arrived first, the max_num_rows that arrived last, and the max_num_rows
-  // with the latest timestamps. Each once, in the order of arrival.
+  // Of a kind: the max_num_rows that arrived last, and from there back max_num_rows that arrived at
+  // least a second apart: a link may deliver many old rows at once. In the order of arrival.
   virtual std::vector<TelemetryRow> Recent(const std::string& flight_id,
                                            TelemetryKind kind,
                                            int max_num_rows) const = 0;

@@ -21,7 +21,7 @@ import { createNewLook } from './new_look.js';
 import { createNextLook } from './next_look.js';
 import { obstacleKey } from './obstacle_overlay.js';
 import { createObstacles } from './obstacles.js';
-import { marksOf, movedBy, siteWithPlan, sitesWithPlan } from './plan.js';
+import { atBest, marksOf, movedBy, siteWithPlan, sitesWithPlan } from './plan.js';
 import { drawProgress } from './progress.js';
 import { createReach } from './reach.js';
 import { reachKey } from './reach_overlay.js';
@@ -148,9 +148,9 @@ function drawApproach({ collection, refusal }, isReplanned) {
 
 // The plan of the emergency answer, and no other: same wind, same aircraft without power.
 async function showRecalled() {
-  const { wind: planned, aircraft } = state.recalled;
+  const { wind: planned, aircraft, verdict } = state.recalled;
   wind.showPlanned(planned);
-  await drawPlan(planned ?? 'unknown', new AbortController().signal, aircraft);
+  await drawPlan(planned ?? 'unknown', new AbortController().signal, aircraft, verdict);
 }
 
 // tried: a wind, or null for the stored approach.
@@ -168,12 +168,12 @@ async function replan(tried, signal) {
   drawApproach({ collection: state.approach }, false);
 }
 
-async function drawPlan(tried, signal, aircraft) {
+async function drawPlan(tried, signal, aircraft, verdict) {
   const siteId = state.siteId;
   Object.assign(state, { triedWind: tried, triedAircraft: aircraft ?? null });
   byId('replan').setAttribute('aria-busy', 'true');
   try {
-    const answer = await api.getApproach(siteId, tried, signal, aircraft);
+    const answer = atBest(verdict, await api.getApproach(siteId, tried, signal, aircraft));
     if (siteId !== state.siteId || signal.aborted) return;
     map.closeAnswer();
     const { properties } = state.site;
@@ -340,8 +340,8 @@ function openSiteOf(flightId, siteId) {
 
 const flightName = (id) => state.flights.find((flight) => flight.id === id)?.name;
 const emergency = createEmergency({
-  show: ({ site_id, flight_id, aircraft }, planned) => {
-    state.recalled = planned === undefined ? null : { siteId: site_id, wind: planned, aircraft };
+  show: ({ site_id, flight_id, aircraft, verdict }, planned) => {
+    state.recalled = planned === undefined ? null : { siteId: site_id, wind: planned, aircraft, verdict };
     openSiteOf(flight_id, site_id);
   },
   center: map.center,
@@ -389,7 +389,7 @@ const newLook = createNewLook({
 });
 const nameOf = (id) => siteName(id, rankOf(id), state.flights);
 const route = createRoute(map, {
-  flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null, nameOf, openSite,
+  flight: () => state.flightJson, wind: () => (state.triedWind === 'unknown' ? null : state.triedWind), nameOf, openSite,
 });
 const links = createLinks(map, { nameOf, site: () => state.site, open(siteId, planned) { state.recalled = { siteId, wind: planned }; openSite(siteId); } });
 const nextLook = createNextLook(map, {

@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { emergencyCard } from './emergency_card.js';
-import { ageText, headline, isOldPosition, isWindUsed, sentence, sourceText } from './emergency_text.js';
+import { ageText, headline, isOldPosition, isWindKnown, isWindOld, sentence, sourceText } from './emergency_text.js';
 import { createEmergencyMap } from './emergency_map.js';
 import { nearestSites } from './nearest.js';
 import { isLive } from './reach.js';
@@ -73,7 +73,8 @@ function fillKept() {
 
 // What the flight has measured, but for what the user entered.
 function fillFromFlight({ pose, wind }, flightName, entered) {
-  const from = isWindUsed(wind) ? windFrom(wind) : null;
+  // A wind in the form is one of now.
+  const from = wind && !isWindOld(wind) ? windFrom(wind) : null;
   setSource(sourceText({ pose, wind, isWindEntered: windFields.some((name) => entered.has(name)) }, flightName), isOldPosition(pose));
   const values = { latitude_deg: [pose.latitude_deg, 6], longitude_deg: [pose.longitude_deg, 6], altitude_m: [pose.altitude_m, 0],
     heading_deg: [pose.heading_deg, 0], wind_speed_mps: [from?.speed_mps, 1], wind_from_deg: [from?.from_deg, 0] };
@@ -225,7 +226,7 @@ class Emergency {
   #show(site) {
     this.#stop();
     this.#dialog.close();
-    const wind = this.#wind && { east_mps: this.#wind.east_mps, north_mps: this.#wind.north_mps };
+    const wind = isWindKnown(this.#wind) ? { east_mps: this.#wind.east_mps, north_mps: this.#wind.north_mps } : null;
     this.#on.show(site, site.reach === 'unknown' ? undefined : wind);
   }
 

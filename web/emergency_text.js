@@ -4,9 +4,6 @@ import { age, fixed, isKnown, margin } from './units.js';
 
 // A position this old is not where the aircraft is.
 export const kOldPosition_s = 60;
-// The server takes an older wind for an interval, and a wind older than the second for unknown.
-const kOldWind_s = 600;
-const kUnknownWind_s = 3 * 3600;
 // Recall compares margins in steps of this size.
 const kPlenty_m = 15;
 const kOldGround_s = 365 * 86400;
@@ -14,14 +11,16 @@ const kOldGround_s = 365 * 86400;
 export const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? '' : '.'}`;
 
 export const isOldPosition = (pose) => Boolean(pose) && !(isKnown(pose.age_s) && pose.age_s <= kOldPosition_s);
-export const isWindUsed = (wind) => Boolean(wind) && isKnown(wind.age_s) && wind.age_s <= kUnknownWind_s;
+// counts_as is the server's word. A wind that was entered is one of now.
+export const isWindKnown = (wind) => Boolean(wind) && wind.counts_as !== 'unknown';
+export const isWindOld = (wind) => !isWindKnown(wind) || wind.counts_as === 'old';
 
 export const ageText = (age_s) => (isKnown(age_s) ? `${age(age_s)} old` : 'of unknown age');
 
 function windWords(wind) {
   if (!wind) return 'Wind unknown.';
-  if (!isWindUsed(wind)) return `Wind unknown: the last one is ${ageText(wind.age_s)}.`;
-  return `Wind of the same flight, ${ageText(wind.age_s)}${wind.age_s > kOldWind_s ? ': it may have changed' : ''}.`;
+  if (!isWindKnown(wind)) return `Wind unknown: the last one is ${ageText(wind.age_s)}.`;
+  return `Wind of the same flight, ${ageText(wind.age_s)}${isWindOld(wind) ? ': it may have changed' : ''}.`;
 }
 
 // pose and wind: of the flight's last data, as its alternates give them.
@@ -69,7 +68,7 @@ export function groundAge({ age_s }) {
 // What makes the site unverified. wind: of the answer, with its age; null if it is unknown.
 export function doubts({ verdict, unseen_ratio }, wind) {
   if (verdict !== 'unverified') return [];
-  const windDoubt = !isWindUsed(wind) ? 'wind not known' : wind.age_s > kOldWind_s ? `wind ${age(wind.age_s)} old` : null;
+  const windDoubt = !isWindKnown(wind) ? 'wind not known' : isWindOld(wind) ? `wind ${age(wind.age_s)} old` : null;
   const seenDoubt = unseen_ratio > 0 ? `${fixed(100 * unseen_ratio, 0, '%')} of the circle not measured` : null;
   const known = [windDoubt, seenDoubt].filter(Boolean);
   return known.length > 0 ? known : ['some ground below the way was not measured'];

@@ -20,6 +20,14 @@ const kNoPath = {
   usable_width_m: null, rejections: [], why: '',
 };
 
+// An answer ({collection} or {refusal}) whose plan is landable only if the answer that it was chosen from said so: that one
+// knows how old the wind is.
+export function atBest(verdict, { collection, refusal }) {
+  if (verdict !== 'unverified' || collection?.plan?.verdict !== 'landable') return { collection, refusal };
+  const plan = { ...collection.plan, verdict, summary: 'Unverified: the emergency answer does not rely on its wind' };
+  return { collection: { ...collection, plan } };
+}
+
 const isOfUnknownWind = (warning) => warning.startsWith('the wind is unknown');
 
 // The site as it would be with the plan of an answer ({collection} or {refusal}) for the tried wind.

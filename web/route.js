@@ -307,6 +307,6 @@ class Route {
   }
 }
 
-// map: {route: see route_overlay.js, drawDraft, fitFeatures, centerPoint}; on: {flight(): as JSON, or null, wind(): of the selected
-// site, or null, nameOf(site id), openSite(site id)}
+// map: {route: see route_overlay.js, drawDraft, fitFeatures, centerPoint}; on: {flight(): as JSON, or null, wind(): tried at
+// the selected site, or null, nameOf(site id), openSite(site id)}
 export const createRoute = (map, on) => new Route(map, on);

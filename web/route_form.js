@@ -43,7 +43,8 @@ class RouteForm {
     return { ...Object.fromEntries(names.map((name) => [name, number(name)])), aircraft: aircraft || null };
   }
 
-  // Altitude and wind of the flight's last position, wind of the selected site, aircraft of the flight.
+  // Altitude and wind of the flight's last position, wind that is tried, aircraft of the flight. A wind in the form is one
+  // of now: an old one is left out.
   async prefill() {
     const flight = this.#on.flight();
     this.#fillAircraft(flight);
@@ -52,11 +53,12 @@ class RouteForm {
       fill('altitude_m', pose.altitude_m, 0);
       this.#sources.altitude_m = `Altitude: last position of ${flight.name || flight.id}.`;
     }
-    const known = windFrom(wind ?? this.#on.wind());
+    const isOfFlight = wind?.counts_as === 'known';
+    const known = windFrom(isOfFlight ? wind : this.#on.wind());
     if (known && !this.#own.has('wind_speed_mps') && !this.#own.has('wind_from_deg')) {
       fill('wind_speed_mps', known.speed_mps, 1);
       fill('wind_from_deg', known.from_deg, 0);
-      this.#sources.wind_from_deg = this.#sources.wind_speed_mps = wind ? `Wind: of ${flight.name || flight.id}.` : 'Wind: of the selected site.';
+      this.#sources.wind_from_deg = this.#sources.wind_speed_mps = isOfFlight ? `Wind: of ${flight.name || flight.id}.` : 'Wind: as tried at the selected site.';
     }
     this.#drawSources();
   }

@@ -49,6 +49,8 @@ struct GlideStart {
   std::optional<Eigen::Vector2d> wind_in_world;
   // Standard deviation of the known wind in each axis; 0: unknown.
   double wind_sd_mps = 0.0;
+  // How far the known wind may have turned to either side, radians.
+  double wind_turn = 0.0;
 };
 
 struct Glide {
@@ -64,8 +66,9 @@ struct Glide {
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
 // The result with the lowest arrival, over all combinations of these values:
-// - Known wind: the wind itself, and turned by the crosswind uncertainty to either side. If its
-//   standard deviation is known, also two deviations more in every direction.
+// - Known wind: the wind itself, and turned to either side by the crosswind uncertainty or by
+//   wind_turn. If its standard deviation is known, also the edge of the sector that has these
+//   directions and contains all winds within two deviations.
 // - Unknown wind: calm, and unknown_wind_mps from every direction.
 // - Unknown heading: every heading.
 // Nothing if one of these winds is too strong to arrive. `aircraft` must be Unpowered.

@@ -1,5 +1,6 @@
 #include "engine/glide/transit.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace freelsd {
@@ -16,14 +17,27 @@ double TimeOf(const TurnPath& path, const Performance& performance) {
   return (path.Turned() * performance.turn_radius + path.straight_m) / performance.Airspeed();
 }
 
-// Winds that differ from `wind` by `difference_mps`, evenly in every direction.
+// The edge of all winds whose speed differs from that of `wind` by at most `difference_mps`, and
+// whose direction by at most `turn`. They contain the circle of that radius around the wind. With a
+// difference also the wind itself.
 std::vector<Eigen::Vector2d> WindsAround(const Eigen::Vector2d& wind,
                                          double difference_mps,
+                                         double turn,
                                          const GlideOptions& options) {
+  const double speed = wind.norm(), slowest = speed - difference_mps;
+  if (speed + difference_mps <= 0.0) return {wind};
+  const Eigen::Vector2d along = speed > 0.0 ? Eigen::Vector2d(wind / speed) : DirectionOf(0.0);
+  const double half = slowest <= 0.0 ? kPi : std::max(turn, std::asin(difference_mps / speed));
+  constexpr double kRoundingError = 1e-9;
+  const double num_between = half * options.num_unknown_winds / (2.0 * kPi) - kRoundingError;
+  const int num_turns = std::max(1, static_cast<int>(std::ceil(num_between)));
   std::vector<Eigen::Vector2d> winds;
-  winds.reserve(static_cast<size_t>(options.num_unknown_winds));
-  for (int i = 0; i < options.num_unknown_winds; ++i) {
-    winds.push_back(wind + difference_mps * DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
+  if (difference_mps > 0.0) winds.push_back(wind);
+  if (slowest <= 0.0 && speed > 0.0) winds.push_back(Eigen::Vector2d::Zero());
+  for (int i = half < kPi ? -num_turns : 1 - num_turns; i <= num_turns; ++i) {
+    const Eigen::Vector2d direction = Eigen::Rotation2Dd(half * i / num_turns) * along;
+    winds.push_back((speed + difference_mps) * direction);
+    if (slowest > 0.0 && difference_mps > 0.0) winds.push_back(slowest * direction);
   }
   return winds;
 }
@@ -44,21 +58,11 @@ std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
                                                const Aircraft& aircraft,
                                                const GlideOptions& options) {
   if (!start.wind_in_world) {
-    std::vector<Eigen::Vector2d> winds =
-        WindsAround(Eigen::Vector2d::Zero(), options.unknown_wind_mps, options);
-    winds.insert(winds.begin(), Eigen::Vector2d::Zero());
-    return winds;
+    return WindsAround(Eigen::Vector2d::Zero(), options.unknown_wind_mps, kPi, options);
   }
-  std::vector<Eigen::Vector2d> winds;
-  if (start.wind_sd_mps > 0.0) {
-    winds =
-        WindsAround(*start.wind_in_world, options.num_wind_deviations * start.wind_sd_mps, options);
-  }
-  const double turned = RadFromDeg(aircraft.crosswind_uncertainty_deg);
-  for (const double angle : {0.0, turned, -turned}) {
-    winds.push_back(Eigen::Rotation2Dd(angle) * *start.wind_in_world);
-  }
-  return winds;
+  const double turn = std::max(RadFromDeg(aircraft.crosswind_uncertainty_deg), start.wind_turn);
+  return WindsAround(
+      *start.wind_in_world, options.num_wind_deviations * start.wind_sd_mps, turn, options);
 }
 
 double TimeBetweenHeadings(const GlideStart& start,

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <ctime>
+#include <limits>
+#include <tuple>
+#include <utility>
 
 #include "server/http/http.h"
 
@@ -11,18 +14,81 @@ namespace {
 // Samples that are stored together get different times of arrival.
 constexpr int64_t kMaxAheadUs = 1000000;
 
-// Farther apart, the aircraft's clock was never set, or the flight is a recording.
+// Farther apart, the aircraft's clock was never set, or the flight is a recording: arrivals count.
 constexpr int64_t kMaxDelayUs = int64_t{86400} * 1000000;
 // A clock without a network is seldom off by more. A flight of which nothing arrived sooner arrives
 // late, at least until it has caught up.
 constexpr int64_t kMaxClockErrorUs = int64_t{120} * 1000000;
 
-// Nothing if the two times cannot be compared.
-std::optional<int64_t> DelayUs(int64_t timestamp_us, int64_t arrived_at_us) {
-  if (arrived_at_us < kFirstPlausibleUs || timestamp_us < kFirstPlausibleUs) return std::nullopt;
-  const int64_t delay_us = arrived_at_us - timestamp_us;
-  if (delay_us > kMaxDelayUs || delay_us < -kMaxDelayUs) return std::nullopt;
-  return delay_us;
+// Delays of samples that come one after the other over a good link differ by less.
+constexpr int64_t kMaxJitterUs = int64_t{2} * 1000000;
+// A chain sets the clock if it has samples that arrived in so many different seconds.
+constexpr int kMinNumSeconds = 5;
+
+// Nothing if one of the clocks was never set.
+std::optional<int64_t> DelayUs(const Arrival& sample) {
+  if (sample.arrived_at_us < kFirstPlausibleUs || sample.timestamp_us < kFirstPlausibleUs) {
+    return std::nullopt;
+  }
+  return sample.arrived_at_us - sample.timestamp_us;
+}
+
+// Samples in the order of their arrival, each with about the delay of the one before.
+struct Chain {
+  int64_t last_delay_us = 0;
+  int64_t least_delay_us = std::numeric_limits<int64_t>::max();
+  int64_t last_second = 0;
+  int num_seconds = 0;
+  int num_samples = 0;
+
+  void Add(int64_t delay_us, int64_t second) {
+    if (num_samples == 0 || second != last_second) ++num_seconds;
+    ++num_samples;
+    last_second = second;
+    last_delay_us = delay_us;
+    least_delay_us = std::min(least_delay_us, delay_us);
+  }
+  int64_t JumpTo(int64_t delay_us) const { return std::abs(delay_us - last_delay_us); }
+  // Greatest for the most evidence; of as much, for the clock that is nearest to the server's.
+  auto Evidence() const { return std::tuple(num_seconds, num_samples, -std::abs(least_delay_us)); }
+};
+
+std::vector<Chain> ChainsOf(std::vector<Arrival> arrivals) {
+  std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+    return a.arrived_at_us < b.arrived_at_us;
+  });
+  std::vector<Chain> chains;
+  for (const Arrival& sample : arrivals) {
+    const std::optional<int64_t> delay_us = DelayUs(sample);
+    if (!delay_us) continue;
+    auto nearest =
+        std::min_element(chains.begin(), chains.end(), [&](const auto& a, const auto& b) {
+          return a.JumpTo(*delay_us) < b.JumpTo(*delay_us);
+        });
+    if (nearest == chains.end() || nearest->JumpTo(*delay_us) > kMaxJitterUs) {
+      nearest = chains.insert(chains.end(), Chain());
+    }
+    nearest->Add(*delay_us, sample.arrived_at_us / 1000000);
+  }
+  return chains;
+}
+
+// Nothing arrives before it was taken, so of the chains that last, the soonest tells the clocks'
+// difference: in the others the link was late. A chain that is much shorter than another one is of
+// times that were wrong for a while.
+std::optional<int64_t> DifferenceUs(const std::vector<Chain>& chains) {
+  if (chains.empty()) return std::nullopt;
+  const Chain* told =
+      &*std::max_element(chains.begin(), chains.end(), [](const Chain& a, const Chain& b) {
+        return a.Evidence() < b.Evidence();
+      });
+  const int num_needed = std::max(kMinNumSeconds, told->num_seconds / 2);
+  for (const Chain& chain : chains) {
+    const bool is_sooner = chain.least_delay_us < told->least_delay_us;
+    if (is_sooner && chain.num_seconds >= num_needed) told = &chain;
+  }
+  const bool is_of_another_day = std::abs(told->least_delay_us) > kMaxDelayUs;
+  return is_of_another_day ? std::nullopt : std::optional(told->least_delay_us);
 }
 
 int64_t SinceBootUs() {
@@ -46,21 +112,22 @@ std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us) {
   return std::max(0.0, static_cast<double>(now_us - arrived_at_us) * 1e-6);
 }
 
-void FlightClock::Hear(int64_t timestamp_us, int64_t arrived_at_us) {
-  const std::optional<int64_t> delay_us = DelayUs(timestamp_us, arrived_at_us);
-  if (!delay_us) return;
-  least_delay_us_ = std::min(least_delay_us_.value_or(*delay_us), *delay_us);
+FlightClock::FlightClock(std::vector<Arrival> arrivals)
+    : difference_us_(DifferenceUs(ChainsOf(std::move(arrivals)))) {}
+
+std::optional<double> FlightClock::AgeS(const Arrival& sample, int64_t now_us) const {
+  const std::optional<double> since_arrival_s = freelsd::AgeS(sample.arrived_at_us, now_us);
+  const std::optional<int64_t> delay_us = DelayUs(sample);
+  if (!since_arrival_s || !delay_us || !difference_us_) return since_arrival_s;
+  if (*delay_us < std::min<int64_t>(0, *difference_us_) - kMaxJitterUs) return std::nullopt;
+  const int64_t error_us = *difference_us_ > kMaxClockErrorUs ? 0 : *difference_us_;
+  return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;
 }
 
-std::optional<double> FlightClock::AgeS(int64_t timestamp_us,
-                                        int64_t arrived_at_us,
-                                        int64_t now_us) const {
-  const std::optional<double> since_arrival_s = freelsd::AgeS(arrived_at_us, now_us);
-  const std::optional<int64_t> delay_us = DelayUs(timestamp_us, arrived_at_us);
-  if (!since_arrival_s || !delay_us) return since_arrival_s;
-  const int64_t least_us = least_delay_us_.value_or(0);
-  const int64_t error_us = least_us > kMaxClockErrorUs ? 0 : least_us;
-  return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;
+std::optional<double> WindAgeS(const Arrival& wind, std::optional<double> age_s, int64_t now_us) {
+  const std::optional<int64_t> delay_us = DelayUs(wind);
+  if (!delay_us || *delay_us <= kMaxDelayUs) return age_s;
+  return static_cast<double>(now_us - wind.timestamp_us) * 1e-6;
 }
 
 }  // namespace freelsd

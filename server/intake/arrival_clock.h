@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace freelsd {
 
@@ -18,18 +19,34 @@ int64_t ArrivalNowUs();
 // stored the row, the server's clock was not set at that time, or it was set back since.
 std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us);
 
+struct Arrival {
+  // By the aircraft's clock.
+  int64_t timestamp_us = 0;
+  int64_t arrived_at_us = 0;
+};
+
 // Ages of one flight's samples. A sample may arrive long after it was taken: a link delivers what
 // it kept during an outage. The sample's own time says so, if the aircraft's clock shows about the
 // server's time. A constant difference is an error of a clock, not a delay.
 class FlightClock {
  public:
-  // A sample of the flight; the more, the better the difference of the clocks is known.
-  void Hear(int64_t timestamp_us, int64_t arrived_at_us);
-  // Seconds since the sample was taken, and never less than since it arrived. Nothing: unknown.
-  std::optional<double> AgeS(int64_t timestamp_us, int64_t arrived_at_us, int64_t now_us) const;
+  // `arrivals`: samples of the flight that arrived lately, in any order. Samples whose delays
+  // follow each other without a jump form a chain, and only a chain that lasts sets the clock. A
+  // few times ahead of all others therefore make no other sample old, and a clock that was set
+  // during the flight counts once it has been consistent for some seconds.
+  explicit FlightClock(std::vector<Arrival> arrivals);
+  // Seconds since the sample was taken, and never less than since it arrived. Nothing: unknown,
+  // also for a time that is ahead of the server's clock by more than the clocks differ.
+  std::optional<double> AgeS(const Arrival& sample, int64_t now_us) const;
 
  private:
-  std::optional<int64_t> least_delay_us_;
+  // Arrival minus own time of the samples that arrive soonest. Nothing: the aircraft's clock was
+  // never set, or it shows another day.
+  std::optional<int64_t> difference_us_;
 };
+
+// A wind of another day does not blow now, even if it arrives now: it is as old as its own time
+// says. Otherwise `age_s`.
+std::optional<double> WindAgeS(const Arrival& wind, std::optional<double> age_s, int64_t now_us);
 
 }  // namespace freelsd

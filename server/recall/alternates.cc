@@ -60,10 +60,7 @@ nlohmann::json AnswerOf(const StoredSites& stored,
   request.place = pose->place;
   request.altitude_datum = AltitudeDatumOf(flight);
   request.flight_id = flight.id;
-  if (pose->wind) {
-    request.wind_in_world = pose->wind->wind_in_world;
-    request.wind_sd_mps = pose->wind->sd_mps.value_or(0.0);
-  }
+  if (pose->wind) request = InWind(request, WindOfNowOf(*pose->wind));
   // If the heading is unknown, recall assumes the worst heading, and adds a warning.
   request.heading_deg = pose->heading_deg;
   request.aircraft = flight_request.aircraft;
@@ -72,6 +69,15 @@ nlohmann::json AnswerOf(const StoredSites& stored,
   answer["pose"] = PoseJson(*pose, *request.altitude_datum);
   if (pose->wind) answer["wind"] = WindJson(*pose->wind);
   return answer;
+}
+
+// Until the course is too old, or the wind is worth less. Nothing: for ever.
+std::optional<double> HoldsForS(const LivePose& pose) {
+  std::optional<double> seconds;
+  if (pose.wind) seconds = WindOfNowOf(*pose.wind).holds_for_s;
+  if (!pose.heading_deg) return seconds;
+  const double of_course_s = kMaxCourseAgeS - pose.age_s.value_or(0.0);
+  return std::min(of_course_s, seconds.value_or(of_course_s));
 }
 
 void AddAge(double seconds, nlohmann::json& object) {
@@ -214,9 +220,8 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
   if (!flight) return std::nullopt;
   std::optional<LivePose> pose = LivePoseOf(storage_, flight_id, list.computed_at_us);
   if (pose) list.planned_wind = ChooseWind(flight_id, wind, list.computed_at_us, *pose);
-  if (pose && pose->heading_deg) {
-    const double seconds = kMaxCourseAgeS - pose->age_s.value_or(0.0);
-    list.holds_until_us = list.computed_at_us + static_cast<int64_t>(seconds * 1e6);
+  if (const auto seconds = pose ? HoldsForS(*pose) : std::nullopt) {
+    list.holds_until_us = list.computed_at_us + static_cast<int64_t>(*seconds * 1e6);
   }
   // With plans also for the sites that a recall tells if nobody gives a limit.
   const size_t num_planned = std::max(num_sites, EmergencyRequest{}.limit);

@@ -74,8 +74,8 @@ class Alternates {
     uint64_t sites_version = 0;
     // On the clock of ArrivalNowUs.
     int64_t computed_at_us = 0;
-    // Time at which the course that the list was computed for becomes too old. Nothing if the list
-    // uses no course.
+    // Time at which the course that the list was computed for becomes too old, or its wind is worth
+    // less. Nothing if the list uses neither.
     std::optional<int64_t> holds_until_us;
   };
   enum class WindToPlanFor { kPlanned, kLatest };

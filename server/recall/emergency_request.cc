@@ -94,6 +94,14 @@ AltitudeReference ReferenceOf(const EmergencyRequest& request) {
           request.flight_id ? std::string_view(*request.flight_id) : std::string_view()};
 }
 
+EmergencyRequest InWind(EmergencyRequest request, const WindOfNow& wind) {
+  request.wind_in_world = wind.wind_in_world;
+  request.wind_sd_mps = wind.sd_mps;
+  request.is_wind_old = wind.is_old;
+  request.wind_warning = wind.warning;
+  return request;
+}
+
 EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   if (!given.is_object()) throw ApiError("InvalidValue", "must be an object", {{"", "object"}});
   nlohmann::json object = given;

@@ -11,6 +11,7 @@
 #include "engine/flight/flight.h"
 #include "engine/glide/glide.h"
 #include "server/recall/altitude_datum.h"
+#include "server/recall/live_wind/live_wind.h"
 
 namespace freelsd {
 
@@ -26,6 +27,9 @@ struct EmergencyRequest {
   std::optional<Eigen::Vector2d> wind_in_world;
   // Standard deviation of the wind in each axis; 0: unknown.
   double wind_sd_mps = 0.0;
+  // As in WindOfNow: nothing is landable in an old wind. Never of a wind that was given.
+  bool is_wind_old = false;
+  std::optional<std::string> wind_warning = std::nullopt;
   std::optional<double> heading_deg;
   std::optional<double> glide_ratio;
   // The least touchdown_uncertainty_m to plan for: an autopilot may need more than a pilot.
@@ -41,6 +45,9 @@ struct EmergencyRequest {
 // The request's altitude, for comparison with stored altitudes. The result refers to texts in
 // `request`.
 AltitudeReference ReferenceOf(const EmergencyRequest& request);
+
+// The request in a flight's wind.
+EmergencyRequest InWind(EmergencyRequest request, const WindOfNow& wind);
 
 // `object` holds the query parameters or the keys of the body. Throws ApiError.
 EmergencyRequest ParseEmergencyRequest(const nlohmann::json& object);

@@ -41,8 +41,7 @@ CompletedRequest CompletedFromFlight(const Storage& storage, const EmergencyRequ
     taken["aircraft"] = AircraftJson(*request.aircraft);
   }
   if (pose && pose->wind && !request.wind_in_world) {
-    request.wind_in_world = pose->wind->wind_in_world;
-    request.wind_sd_mps = pose->wind->sd_mps.value_or(0.0);
+    request = InWind(request, WindOfNowOf(*pose->wind));
     taken["wind"] = WindJson(*pose->wind);
   }
   if (const auto course_deg = CourseAt(given.place, pose); course_deg && !request.heading_deg) {

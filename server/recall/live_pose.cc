@@ -1,11 +1,10 @@
 #include "server/recall/live_pose.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "api/stored/stored.h"
 #include "server/intake/intake.h"
@@ -43,22 +42,18 @@ struct FlightSamples {
   FlightClock clock;
 };
 
-// Hears the first of the rows and the last ones. Rows are in the order of arrival.
-void Hear(const std::vector<TelemetryRow>& rows, FlightClock& clock) {
-  const size_t num_last = std::min<size_t>(kMaxNumSamples, rows.size());
-  if (!rows.empty()) clock.Hear(rows.front().timestamp_us, rows.front().arrived_at_us);
-  for (size_t i = rows.size() - num_last; i < rows.size(); ++i) {
-    clock.Hear(rows[i].timestamp_us, rows[i].arrived_at_us);
-  }
-}
+Arrival ArrivalOf(const TelemetryRow& row) { return {row.timestamp_us, row.arrived_at_us}; }
 
 FlightSamples SamplesOf(const Storage& storage, const std::string& flight_id) {
-  FlightSamples samples;
-  samples.positions = storage.telemetry.Recent(flight_id, TelemetryKind::kPosition, kMaxNumSamples);
-  samples.winds = storage.telemetry.Recent(flight_id, TelemetryKind::kWind, kMaxNumSamples);
-  Hear(samples.positions, samples.clock);
-  Hear(samples.winds, samples.clock);
-  return samples;
+  std::vector<Arrival> arrivals;
+  const auto recent = [&](TelemetryKind kind) {
+    auto rows = storage.telemetry.Recent(flight_id, kind, kMaxNumSamples);
+    std::transform(rows.begin(), rows.end(), std::back_inserter(arrivals), ArrivalOf);
+    return rows;
+  };
+  auto positions = recent(TelemetryKind::kPosition);
+  auto winds = recent(TelemetryKind::kWind);
+  return {std::move(positions), std::move(winds), FlightClock(std::move(arrivals))};
 }
 
 // The youngest rows, the latest first. What arrived last may be old, and the row with the latest
@@ -69,7 +64,7 @@ std::vector<AgedRow> Youngest(const std::vector<TelemetryRow>& rows,
   std::vector<AgedRow> aged;
   aged.reserve(rows.size());
   for (const TelemetryRow& row : rows) {
-    aged.push_back({row, clock.AgeS(row.timestamp_us, row.arrived_at_us, now_us)});
+    aged.push_back({row, clock.AgeS(ArrivalOf(row), now_us)});
   }
   std::sort(aged.begin(), aged.end(), [](const AgedRow& a, const AgedRow& b) {
     return std::pair(a.SortAgeS(), -a.row.arrived_at_us) <
@@ -135,9 +130,10 @@ std::optional<LiveWind> WindOfFrames(const std::vector<FrameRow>& frames, int64_
   for (const FrameRow& frame : frames) {
     const FrameMeta meta = MetaOf(frame);
     if (!meta.wind_in_world) continue;
+    const Arrival arrival{meta.timestamp_us.value_or(0), frame.arrived_at_us};
     return LiveWind{*meta.wind_in_world,
                     meta.timestamp_us,
-                    FrameAgeS(frame, meta, now_us),
+                    WindAgeS(arrival, FrameAgeS(frame, meta, now_us), now_us),
                     "frame",
                     std::nullopt};
   }
@@ -158,7 +154,7 @@ std::optional<LiveWind> WindOf(const FlightSamples& samples,
   for (const auto& [row, age_s] : Youngest(samples.winds, samples.clock, now_us)) {
     winds.push_back({{row.values[0], row.values[1]},
                      row.timestamp_us,
-                     age_s,
+                     WindAgeS(ArrivalOf(row), age_s, now_us),
                      WindSourceOf(row),
                      WindSdMps(row)});
   }
@@ -177,17 +173,6 @@ std::optional<LiveWind> LiveWindOf(const Storage& storage,
                                    int64_t now_us) {
   return WindOf(
       SamplesOf(storage, flight_id), storage.frames.LastArrived(flight_id, kMaxNumFrames), now_us);
-}
-
-nlohmann::json WindJson(const LiveWind& wind) {
-  nlohmann::json object{{"east_mps", wind.wind_in_world.x()},
-                        {"north_mps", wind.wind_in_world.y()},
-                        {"age_s", nullptr}};
-  if (wind.source) object["source"] = *wind.source;
-  if (wind.sd_mps) object["sd_mps"] = *wind.sd_mps;
-  if (wind.timestamp_us) object["timestamp_us"] = *wind.timestamp_us;
-  if (wind.age_s) object["age_s"] = *wind.age_s;
-  return object;
 }
 
 std::optional<LivePose> LivePoseOf(const Storage& storage,

@@ -1,33 +1,19 @@
 // The latest position, course and wind of a flight's aircraft, from telemetry and frames. The
 // latest sample of telemetry is the youngest one by its own time (FlightClock), because a link
-// delivers old samples after an outage. Of frames it is the one that arrived last: cameras' clocks
-// are often wrong. The age of a frame counts from its arrival, of one of a batch from its own time.
+// delivers old samples after an outage. A sample whose time is ahead of the clocks counts last. Of
+// frames it is the one that arrived last: cameras' clocks are often wrong. The age of a frame
+// counts from its arrival, of one of a batch from its own time.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "engine/flight/flight.h"
+#include "server/recall/live_wind/live_wind.h"
 #include "storage/storage.h"
 
 namespace freelsd {
-
-struct LiveWind {
-  // East and north, m/s: the direction in which the air moves.
-  Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
-  // The sample's own time, as the aircraft gave it.
-  std::optional<int64_t> timestamp_us;
-  // Since it was measured; nothing: unknown.
-  std::optional<double> age_s;
-  // "autopilot": its own estimate. "drift": from ground velocity, heading and airspeed. "frame":
-  // sent with an image. Nothing: the sender did not say.
-  std::optional<std::string> source;
-  // Standard deviation in each axis; nothing: unknown.
-  std::optional<double> sd_mps;
-};
 
 struct LivePose {
   GeoPoint place;
@@ -57,7 +43,5 @@ std::optional<LivePose> LivePoseOf(const Storage& storage,
 std::optional<LiveWind> LiveWindOf(const Storage& storage,
                                    const std::string& flight_id,
                                    int64_t now_us);
-// {east_mps, north_mps, source?, sd_mps?, timestamp_us?, age_s}
-nlohmann::json WindJson(const LiveWind& wind);
 
 }  // namespace freelsd

@@ -150,6 +150,7 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
   if (request.heading_deg) start.heading = RadFromDeg(*request.heading_deg);
   start.wind_in_world = request.wind_in_world;
   start.wind_sd_mps = request.wind_sd_mps;
+  if (request.is_wind_old) start.wind_turn = RadFromDeg(kOldWindTurnDeg);
   return start;
 }
 

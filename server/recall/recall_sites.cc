@@ -173,9 +173,10 @@ std::string SummaryOf(const Found& found) {
 std::vector<std::string> WarningsOf(const Found& found) {
   const EmergencyRequest& request = found.request;
   std::vector<std::string> warnings = DatumWarnings(request, found.search.datum_bases);
+  if (request.wind_warning) warnings.push_back(*request.wind_warning);
   if (!request.wind_in_world) {
     warnings.push_back(
-        "no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and "
+        "the wind is unknown: the worst direction of a wind of 5.5 m/s is assumed, and "
         "approaches are planned for an unknown wind");
   }
   if (!request.heading_deg) warnings.push_back("no heading is given: the worst turn is assumed");

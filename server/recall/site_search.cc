@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace freelsd {
@@ -12,6 +13,15 @@ constexpr size_t kMaxNumPlanned = 40;
 // Candidates that are put in order at a time.
 constexpr size_t kNumSorted = kMaxNumPlanned + 1;
 
+// An old wind makes nothing landable.
+std::shared_ptr<const Plan> PlanIn(const EmergencyRequest& request,
+                                   const std::shared_ptr<const Plan>& plan) {
+  if (!request.is_wind_old || plan->verdict != Verdict::kLandable) return plan;
+  auto unverified = std::make_shared<Plan>(*plan);
+  unverified->verdict = Verdict::kUnverified;
+  return unverified;
+}
+
 // Without the terrain on the way, which can only make it worse. Nothing if the map has no approach
 // in this wind, or if the wind is too strong to get there.
 std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
@@ -21,7 +31,7 @@ std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
   const auto kept = stored.maps.PlanOf(
       stored.storage, *candidate.row, aircraft, candidate.gliding->key, request.wind_in_world);
   if (!kept) return std::nullopt;
-  const auto& plan = kept->plan;
+  const auto plan = PlanIn(request, kept->plan);
   if (plan->verdict == Verdict::kRejected || !plan->approach) return std::nullopt;
   const Approach& approach = *plan->approach;
   const LocalFrame local_frame(kept->origin);

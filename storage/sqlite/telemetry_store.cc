@@ -17,14 +17,18 @@ std::optional<TelemetryRow> NextRow(Statement& statement, TelemetryKind kind) {
   return row;
 }
 
-// Each part is one search of an index.
+// Each row that is a second apart is one search of an index.
 constexpr char kSelectRecent[] =
-    "WITH own AS NOT MATERIALIZED (SELECT timestamp_us, value_0, value_1, value_2, value_3, "
-    "arrived_at_us FROM telemetry WHERE flight_id = ?1 AND kind = ?2) "
-    "SELECT * FROM (SELECT * FROM own ORDER BY arrived_at_us LIMIT 1) UNION "
+    "WITH RECURSIVE own AS NOT MATERIALIZED (SELECT timestamp_us, value_0, value_1, value_2, "
+    "value_3, arrived_at_us FROM telemetry WHERE flight_id = ?1 AND kind = ?2), "
+    "apart(at_us, number) AS (SELECT (SELECT max(arrived_at_us) FROM own), 1 UNION ALL "
+    "SELECT (SELECT max(arrived_at_us) FROM own WHERE arrived_at_us <= at_us - 1000000), number + "
+    "1 "
+    "FROM apart WHERE at_us IS NOT NULL AND number < ?3) "
     "SELECT * FROM (SELECT * FROM own ORDER BY arrived_at_us DESC LIMIT ?3) UNION "
-    "SELECT * FROM (SELECT * FROM own ORDER BY timestamp_us DESC LIMIT ?3) "
-    "ORDER BY arrived_at_us";
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM apart "
+    "CROSS JOIN telemetry INDEXED BY telemetry_by_arrival "
+    "ON flight_id = ?1 AND kind = ?2 AND arrived_at_us = at_us ORDER BY arrived_at_us";
 
 void PutSamples(const Connection& writer,
                 const std::string& flight_id,

@@ -180,6 +180,15 @@ test('recall is asked in a wind that is held until it changes by more than it wa
   assert.ok(!('touchdown_uncertainty_m' in query));
 });
 
+test('a wind of any age is not the wind of now: recall takes an old one from the flight, with its age', () => {
+  const state = { position: { ...place(0, 0, 500), altitude_datum: 'amsl' }, velocity: { east_mps: 10, north_mps: 0 }, flight: { id: 'f-1' } };
+  for (const [age_s, isGiven] of [[1, true], [599, true], [601, false], [21600, false]]) {
+    const query = queryOf(state, new WindHold().take({ east_mps: 5, north_mps: 0, age_s }));
+    assert.equal('wind_east_mps' in query, isGiven, `${age_s} s`);
+    assert.equal(query.flight, 'f-1');
+  }
+});
+
 // A field with room for a touchdown within so much; recall tells it to whoever asks for no more.
 function guidanceOver(room_m) {
   const asked = [];

@@ -68,7 +68,7 @@ TEST_CASE("telemetry store: rows in the order of arrival, whatever their own tim
   CHECK(storage.telemetry.Recent("f", TelemetryKind::kWind, 1).empty());
 }
 
-TEST_CASE("telemetry store: the row that arrived first, the last ones, and those of latest times") {
+TEST_CASE("telemetry store: the rows that arrived last, and others a second apart") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
@@ -76,12 +76,17 @@ TEST_CASE("telemetry store: the row that arrived first, the last ones, and those
     return TimesOf(storage.telemetry.Recent("f", TelemetryKind::kPosition, max_num_rows));
   };
   CHECK(recent(2).empty());
-  for (const int64_t timestamp_us : {300, 900, 800, 700, 600, 500, 400}) {
-    storage.telemetry.Put("f", {{TelemetryKind::kPosition, timestamp_us, {47.0, 8.0, 400.0, 0.0}}});
+  // Own times run back; six arrive in a second, and the last ten within a millisecond.
+  std::vector<TelemetryRow> rows;
+  for (int64_t i = 0; i < 60; ++i) {
+    TelemetryRow row{TelemetryKind::kPosition, 1000 - i, {47.0, 8.0, 400.0, 0.0}};
+    row.arrived_at_us = 5000000 + (i < 50 ? i * 170000 : 8400000 + i);
+    rows.push_back(row);
   }
-  CHECK(recent(1) == std::vector<int64_t>{300, 900, 400});
-  CHECK(recent(2) == std::vector<int64_t>{300, 900, 800, 500, 400});
-  CHECK(recent(100) == std::vector<int64_t>{300, 900, 800, 700, 600, 500, 400});
+  REQUIRE(storage.telemetry.Put("f", rows));
+  CHECK(recent(1) == std::vector<int64_t>{941});
+  CHECK(recent(3) == std::vector<int64_t>{963, 957, 943, 942, 941});
+  CHECK(recent(100).size() == 60);
 }
 
 TEST_CASE("telemetry store: what several threads give is stored, each in the order it was given") {

@@ -8,6 +8,7 @@ import { nearestSites } from '../../web/nearest.js';
 import { circleAround, draftOf, faultOf, featureOf, fieldOf } from '../../web/obstacle_shape.js';
 import { offersOf } from '../../web/offers.js';
 import { findRegion } from '../../web/places.js';
+import { atBest } from '../../web/plan.js';
 import { progressOf, waitText } from '../../web/progress.js';
 import { requestOf } from '../../web/reach.js';
 import { createQueue, isElsewhere, tilePath } from '../../web/tile_queue.js';
@@ -234,6 +235,14 @@ test('reach: the request has the position and the flight: the server knows the a
   const request = requestOf('f-1', { pose: { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', age_s: 1 }, wind: { east_mps: 3, north_mps: 0, age_s: 7200 } }, null);
   assert.deepEqual(JSON.parse(JSON.stringify(request)),
     { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, glide_ratio: null, flight: 'f-1' });
+});
+
+test('plan: what the emergency answer calls unverified is not landable in its view', () => {
+  const collection = { features: [], plan: { verdict: 'landable', summary: 'Landable' } };
+  assert.equal(atBest('unverified', { collection }).collection.plan.verdict, 'unverified');
+  assert.equal(atBest('landable', { collection }).collection.plan.verdict, 'landable');
+  assert.equal(atBest(undefined, { collection }).collection.plan.verdict, 'landable');
+  assert.deepEqual(atBest('unverified', { refusal: 'blocked' }), { collection: undefined, refusal: 'blocked' });
 });
 
 test('progress: an older server is worded as before; a summary, the time left and the area are taken as told', () => {

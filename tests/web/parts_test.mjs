@@ -80,7 +80,7 @@ test('reach: a live flight shows it, unknown terrain looks different, margins st
   const [asked] = asksFor(server, '/v1/reach');
   const sent = new URL(asked, url).searchParams;
   assert.deepEqual([sent.get('flight'), Number(sent.get('altitude_m')), sent.get('wind_east_mps'), sent.get('limit')],
-    [site.flight, pose.altitude_m, '3', '20']);
+    [site.flight, pose.altitude_m, null, '20'], 'the wind is the flight’s, with its age');
   // Each new position is asked for, at most one a second, never two at once.
   const before = asksFor(server, '/v1/reach').length;
   const moving = setInterval(() => { pose.longitude_deg += 1e-5; }, 100);

@@ -3,7 +3,7 @@
 import { offset } from './sample_parts.mjs';
 
 const minute_s = 60, hour_s = 3600, year_s = 365.25 * 86400;
-const wind = { east_mps: 3, north_mps: 1, sd_mps: 0.6, age_s: 4, source: 'autopilot' };
+const wind = { east_mps: 3, north_mps: 1, sd_mps: 0.6, age_s: 4, source: 'autopilot', counts_as: 'known' };
 const kTerrain = 'terrain on the way is known only where stored maps cover it';
 
 const rad = (deg) => deg * Math.PI / 180;
@@ -33,23 +33,23 @@ export function sampleEmergencies(flown, from) {
     answer: { summary: `${answer.sites?.length ?? 0} sites in reach`, taken_from_flight: taken(), ...answer,
       sites: answer.sites ?? [], warnings: [...(answer.warnings ?? []), kTerrain] },
   });
-  const oldWind = { ...wind, age_s: 25 * minute_s };
+  const oldWind = { ...wind, age_s: 25 * minute_s, counts_as: 'old' };
   const damage = 'both databases were damaged at 2026-03-01T10:00:00Z: nothing could be restored, and all sites before that time are lost';
   return [
     made('no wind', {
       alternates: { wind: undefined },
       answer: { taken_from_flight: taken({ wind: undefined }), sites: [1, 2, 3].map((number) => unverified(number)),
-        warnings: ['no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and approaches are planned for an unknown wind'] },
+        warnings: ['the wind is unknown: the worst direction of a wind of 5.5 m/s is assumed, and approaches are planned for an unknown wind'] },
       reads: [/Wind unknown\./, /Unverified: wind not known\./] }),
     made('old wind', {
       alternates: { wind: oldWind },
       answer: { taken_from_flight: taken({ wind: oldWind }), sites: [1, 2].map((number) => unverified(number)),
-        warnings: ['the wind is 25 min old: it may have changed, so no site counts as landable'] },
+        warnings: ['the wind was measured 25 minutes ago: it may have changed by 3 m/s and turned by 45 degrees, and nothing is landable without a fresh one'] },
       reads: [/Wind of the same flight, 25 min old: it may have changed\./, /Unverified: wind 25 min old\./] }),
     made('old position', {
-      alternates: { pose: { ...pose, age_s: 31 * minute_s, heading_deg: undefined }, wind: { ...wind, age_s: 5 * hour_s } },
-      answer: { taken_from_flight: taken({ wind: undefined, heading_deg: undefined }), sites: [unverified(1), unverified(2)],
-        warnings: ['no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and approaches are planned for an unknown wind',
+      alternates: { pose: { ...pose, age_s: 31 * minute_s, heading_deg: undefined }, wind: { ...wind, age_s: 5 * hour_s, counts_as: 'unknown' } },
+      answer: { taken_from_flight: taken({ wind: { ...wind, age_s: 5 * hour_s, counts_as: 'unknown' }, heading_deg: undefined }), sites: [unverified(1), unverified(2)],
+        warnings: ['the last wind was measured 5 hours ago: after 3 hours the wind is unknown', 'the wind is unknown: the worst direction of a wind of 5.5 m/s is assumed, and approaches are planned for an unknown wind',
           'no heading is given: the worst turn is assumed'] },
       reads: [/^.*For the position of 31 min ago: in reach, best first/, /Wind unknown: the last one is 5 h old\./] }),
     made('unknown datum', {

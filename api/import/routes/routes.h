@@ -30,8 +30,9 @@ struct RouteRequest {
   // becomes five winds with its mean and covariance.
   std::vector<WeightedWind> winds;
   // As in emergency recall, for each of the winds. Not of the object: a wind taken from a flight
-  // has it.
+  // has them.
   double wind_sd_mps = 0.0;
+  bool is_wind_old = false;
   // Empty: each site is evaluated for the aircraft for which it was planned.
   std::optional<Aircraft> aircraft;
   std::optional<double> glide_ratio;

@@ -33,31 +33,37 @@ nlohmann::json ObjectOfPlan(const Call& call, const nlohmann::json& plan) {
   return object;
 }
 
+struct CompletedRoute {
+  RouteRequest request;
+  // The flight's wind, if it was taken; else null.
+  nlohmann::json wind = nullptr;
+};
+
 // Takes what the request does not say from the flight that it names, as emergency recall does.
-RouteRequest Completed(const Service& service, nlohmann::json object) {
+CompletedRoute Completed(const Service& service, nlohmann::json object) {
   const bool names_flight =
       object.is_object() && object.contains("flight") && object.at("flight").is_string();
-  if (!names_flight) return ParseRouteRequest(object);
+  if (!names_flight) return {ParseRouteRequest(object)};
   EmergencyRequest given;
   given.flight_id = object.at("flight").get<std::string>();
-  const EmergencyRequest flight = CompletedFromFlight(service.storage, given).request;
+  const auto [flight, taken] = CompletedFromFlight(service.storage, given);
   // The altitudes of a plan are above mean sea level.
   if (!object.contains("altitude_datum") && !object.contains("plan")) {
     object["altitude_datum"] = *flight.altitude_datum;
   }
   if (!object.contains("aircraft")) object["aircraft"] = AircraftJson(*flight.aircraft);
-  const bool takes_wind =
-      flight.wind_in_world && !object.contains("wind") && !object.contains("winds");
-  if (takes_wind) {
-    object["wind"] = {{"east_mps", flight.wind_in_world->x()},
-                      {"north_mps", flight.wind_in_world->y()}};
+  if (object.contains("wind") || object.contains("winds")) return {ParseRouteRequest(object)};
+  if (const auto& wind = flight.wind_in_world) {
+    object["wind"] = {{"east_mps", wind->x()}, {"north_mps", wind->y()}};
   }
-  RouteRequest request = ParseRouteRequest(object);
-  if (takes_wind) request.wind_sd_mps = flight.wind_sd_mps;
-  return request;
+  CompletedRoute completed{ParseRouteRequest(object), taken.value("wind", nlohmann::json())};
+  completed.request.wind_sd_mps = flight.wind_sd_mps;
+  completed.request.is_wind_old = flight.is_wind_old;
+  if (flight.wind_warning) completed.request.warnings.push_back(*flight.wind_warning);
+  return completed;
 }
 
-RouteRequest RequestOf(const Service& service, const Call& call) {
+CompletedRoute RequestOf(const Service& service, const Call& call) {
   nlohmann::json body =
       ParseJson(call.body.ReadAll(kLimits.routes.max_bytes), kLimits.routes.max_bytes);
   if (IsQgcPlan(body)) return Completed(service, ObjectOfPlan(call, body));
@@ -78,9 +84,10 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
     const std::string detail = "f: must be json or geojson";
     throw ApiError("InvalidQuery", detail, {{"f", detail}});
   }
-  const RouteRequest request = RequestOf(service, call);
+  const auto [request, wind] = RequestOf(service, call);
   const SemaphoreSlot slot(service.route_planners);
   nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
+  if (!wind.is_null()) answer["wind"] = wind;
   service.copy.AddTo(answer, NowUs());
   if (format == "geojson") {
     response.set_content(RouteGeoJson(answer).dump(), "application/geo+json");

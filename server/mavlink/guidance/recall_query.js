@@ -2,6 +2,10 @@
 
 // Sites are planned for the wind. An estimate that wanders would move their finals all the time.
 const held_mps = 1.5;
+// A wind in the query is one of now. The service knows how old the flight's wind is: it takes an older one from there.
+const maxWindAge_s = 600;
+
+const isOld = (wind) => wind.age_s > maxWindAge_s;
 
 export class WindHold {
   #wind;
@@ -9,6 +13,7 @@ export class WindHold {
   // onChange(sentence): called when another wind is taken.
   take(wind, onChange = () => {}) {
     if (!wind) return this.#wind;
+    if (isOld(wind)) return wind;
     const held = this.#wind;
     if (held && Math.hypot(wind.east_mps - held.east_mps, wind.north_mps - held.north_mps) < held_mps) return held;
     if (held) onChange(`the wind is now ${Math.hypot(wind.east_mps, wind.north_mps).toFixed(1)} m/s: ways are planned for it`);
@@ -37,7 +42,7 @@ export function queryOf({ position, velocity, flight }, wind,
     heading_deg: rounded(course_deg, 1),
     limit: 10,
   };
-  if (wind) Object.assign(query, { wind_east_mps: rounded(wind.east_mps, 2), wind_north_mps: rounded(wind.north_mps, 2) });
+  if (wind && !isOld(wind)) Object.assign(query, { wind_east_mps: rounded(wind.east_mps, 2), wind_north_mps: rounded(wind.north_mps, 2) });
   const missing_m = Math.max(0, airspeed_m + better_m + lower_m);
   if (missing_m > 0) query.terrain_clearance_m = rounded(clearance_m + missing_m, 1);
   if (touchdownUncertainty_m > 0) query.touchdown_uncertainty_m = touchdownUncertainty_m;

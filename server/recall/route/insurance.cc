@@ -177,6 +177,7 @@ EmergencyRequest RouteJudge::RequestAt(const RouteMoment& moment,
   request.flight_id = request_.flight_id;
   request.wind_in_world = wind_in_world;
   request.wind_sd_mps = request_.wind_sd_mps;
+  request.is_wind_old = request_.is_wind_old;
   request.heading_deg = moment.heading_deg;
   request.glide_ratio = request_.glide_ratio;
   request.terrain_clearance_m = request_.terrain_clearance_m.value_or(request.terrain_clearance_m);

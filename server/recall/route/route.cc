@@ -151,7 +151,7 @@ std::vector<std::string> WarningsOf(const RouteRequest& request, const Insurance
   std::vector<std::string> warnings = request.warnings;
   if (request.winds.empty()) {
     warnings.emplace_back(
-        "no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and times are "
+        "the wind is unknown: the worst direction of a wind of 5.5 m/s is assumed, and times are "
         "those of calm air");
   }
   if (request.altitude_datum == "unknown" && !request.flight_id) {

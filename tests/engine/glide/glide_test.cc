@@ -140,6 +140,34 @@ TEST_CASE("glide: a deviation of the wind costs about what two deviations of hea
   CHECK(uncertain_m == doctest::Approx(arrival()).epsilon(1e-3));
 }
 
+TEST_CASE(
+    "glide: a wind that may have changed and turned costs at least what each such wind costs") {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> place(-2000.0, 2000.0), angle(0.0, 2.0 * kPi);
+  std::uniform_real_distribution<double> part(-1.0, 1.0);
+  // So much the winds between those that are tried may cost more.
+  constexpr double kBetweenRatio = 1.03;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector2d wind = (i % 5) * DirectionOf(angle(random));
+    const Eigen::Vector3d target(place(random), place(random), 0.0);
+    const double heading = angle(random), final_heading = angle(random);
+    GlideStart start = StartAt(0, heading, wind);
+    start.wind_sd_mps = 1.5;
+    start.wind_turn = 0.25 * kPi;
+    const auto worst = GlideTo(start, target, final_heading, Glider(), {});
+    REQUIRE(worst);
+    const Eigen::Rotation2Dd turned(part(random) * 0.25 * kPi);
+    const double speed = std::max(0.0, wind.norm() + 3.0 * part(random));
+    const double from = wind.norm() > 0.0 ? HeadingOf(wind) : angle(random);
+    const Eigen::Vector2d blows = speed * (turned * DirectionOf(from));
+    Aircraft aircraft = Glider();
+    aircraft.crosswind_uncertainty_deg = 0.0;
+    const auto glide = GlideTo(StartAt(0, heading, blows), target, final_heading, aircraft, {});
+    REQUIRE(glide);
+    CHECK(glide->height_lost_m <= kBetweenRatio * worst->height_lost_m + 1.0);
+  }
+}
+
 TEST_CASE("glide: the least height is never more than the glide's, in any wind") {
   std::mt19937 random(13);
   std::uniform_real_distribution<double> place(-2000.0, 2000.0), angle(0.0, 2.0 * kPi);

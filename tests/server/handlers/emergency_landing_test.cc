@@ -82,7 +82,7 @@ TEST_CASE("emergency landing: an unverified best site is called so in name, warn
   const nlohmann::json remarks = nlohmann::json::parse(result->body)["freelsd"];
   CHECK(remarks["name"] == "meadow 1 UNVERIFIED");
   CHECK(remarks["warnings"][0].get<std::string>().find("UNVERIFIED: ") == 0);
-  CHECK(remarks["warnings"].dump().find("no wind is given") != std::string::npos);
+  CHECK(remarks["warnings"].dump().find("the wind is unknown") != std::string::npos);
 }
 
 TEST_CASE("emergency landing: without a site in reach or an altitude there is no file") {

@@ -1,5 +1,8 @@
 #include "server/intake/arrival_clock.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <doctest/doctest.h>
 
 #include "server/intake/telemetry.h"
@@ -25,35 +28,121 @@ TEST_CASE("arrival clock: an age is told where the time of arrival is known, and
   CHECK_FALSE(AgeS(-5, 100 * kSecondUs));
 }
 
+// Own time and time of arrival, in seconds from kNowUs on.
+Arrival At(double own_s, double arrived_s) {
+  return {kNowUs + static_cast<int64_t>(own_s * 1e6),
+          kNowUs + static_cast<int64_t>(arrived_s * 1e6)};
+}
+
+// One sample a second, each half a second under way, from a clock that is so much behind.
+std::vector<Arrival> Live(int begin_s, int end_s, double behind_s = 0.0) {
+  std::vector<Arrival> arrivals;
+  for (int s = begin_s; s < end_s; ++s) arrivals.push_back(At(s - 0.5 - behind_s, s));
+  return arrivals;
+}
+
+std::vector<Arrival> operator+(std::vector<Arrival> a, const std::vector<Arrival>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 TEST_CASE("flight clock: what arrives late is old, by its own time") {
-  FlightClock clock;
-  clock.Hear(kNowUs - 200 * kSecondUs, kNowUs - 199 * kSecondUs);
+  const Arrival first = At(-200.0, -199.0), late = At(-90.0, 0.0);
   // A constant second is the way there, or a difference of clocks.
-  CHECK(clock.AgeS(kNowUs - 200 * kSecondUs, kNowUs - 199 * kSecondUs, kNowUs) == 199.0);
-  clock.Hear(kNowUs - 90 * kSecondUs, kNowUs);
-  CHECK(clock.AgeS(kNowUs - 90 * kSecondUs, kNowUs, kNowUs) == 89.0);
-  CHECK(clock.AgeS(kNowUs - 90 * kSecondUs, kNowUs, kNowUs + 3 * kSecondUs) == 92.0);
+  CHECK(FlightClock({first}).AgeS(first, kNowUs) == 199.0);
+  const FlightClock clock({first, late});
+  CHECK(clock.AgeS(late, kNowUs) == 89.0);
+  CHECK(clock.AgeS(late, kNowUs + 3 * kSecondUs) == 92.0);
 }
 
 TEST_CASE("flight clock: a clock that is off by a minute makes no sample old, an hour does") {
-  for (const int64_t error_s : {-3000, -60, 60}) {
-    FlightClock clock;
-    clock.Hear(kNowUs - error_s * kSecondUs, kNowUs);
-    CHECK(clock.AgeS(kNowUs - error_s * kSecondUs, kNowUs, kNowUs) == 0.0);
+  for (const double behind_s : {-3000.0, -60.0, 60.0}) {
+    CHECK(FlightClock({At(-behind_s, 0.0)}).AgeS(At(-behind_s, 0.0), kNowUs) == 0.0);
+    const std::vector<Arrival> live = Live(0, 60, behind_s);
+    CHECK(FlightClock(live).AgeS(live.back(), kNowUs + 60 * kSecondUs) == 1.0);
   }
   // Nothing of this flight ever arrived sooner.
-  FlightClock clock;
-  clock.Hear(kNowUs - 3600 * kSecondUs, kNowUs);
-  CHECK(clock.AgeS(kNowUs - 3600 * kSecondUs, kNowUs, kNowUs) == 3600.0);
+  CHECK(FlightClock({At(-3600.0, 0.0)}).AgeS(At(-3600.0, 0.0), kNowUs) == 3600.0);
 }
 
 TEST_CASE("flight clock: times of another day, or of a clock that was never set, say nothing") {
-  FlightClock clock;
-  for (const int64_t timestamp_us : {kNowUs - 2 * 86400 * kSecondUs, 50 * kSecondUs}) {
-    clock.Hear(timestamp_us, kNowUs);
-    CHECK(clock.AgeS(timestamp_us, kNowUs, kNowUs + kSecondUs) == 1.0);
+  const Arrival two_days_ago = At(-2.0 * 86400.0, 0.0), never_set{50 * kSecondUs, kNowUs};
+  for (const Arrival& sample : {two_days_ago, never_set}) {
+    CHECK(FlightClock({sample}).AgeS(sample, kNowUs + kSecondUs) == 1.0);
   }
-  CHECK_FALSE(clock.AgeS(kNowUs, 0, kNowUs));
+  CHECK_FALSE(FlightClock({}).AgeS({kNowUs, 0}, kNowUs));
+  // Where the aircraft's clock is known to show this day, one of another day is old.
+  CHECK(FlightClock(Live(-60, 0) + std::vector{two_days_ago}).AgeS(two_days_ago, kNowUs) ==
+        doctest::Approx(2.0 * 86400.0).epsilon(1e-4));
+}
+
+TEST_CASE("one sample ahead: it makes no other one old, and is of unknown age itself") {
+  for (const double ahead_s : {100.0, 12.0 * 3600.0, 86390.0}) {
+    for (const double behind_s : {0.0, 60.0, -3000.0}) {
+      INFO(ahead_s, " s ahead of a clock that is ", behind_s, " s behind");
+      const std::vector<Arrival> live = Live(0, 200, behind_s);
+      const Arrival ahead = At(50.5 + ahead_s - std::min(0.0, behind_s), 50.7);
+      for (const bool comes_first : {false, true}) {
+        const FlightClock clock(
+            comes_first ? std::vector{At(ahead_s - std::min(0.0, behind_s), -0.5)} + live
+                        : live + std::vector{ahead});
+        CHECK(clock.AgeS(live.back(), kNowUs + 199 * kSecondUs) == doctest::Approx(0.0));
+        CHECK_FALSE(clock.AgeS(ahead, kNowUs + 199 * kSecondUs));
+      }
+    }
+  }
+}
+
+TEST_CASE(
+    "one sample ahead: many that arrive together set no clock either, nor a few at the start") {
+  std::vector<Arrival> burst;
+  for (int i = 0; i < 50; ++i) burst.push_back(At(10.0 + 100.0 + 0.02 * i, 10.2));
+  const std::vector<Arrival> live = Live(0, 30);
+  CHECK(FlightClock(live + burst).AgeS(live.back(), kNowUs + 29 * kSecondUs) ==
+        doctest::Approx(0.0));
+  CHECK_FALSE(FlightClock(live + burst).AgeS(burst.back(), kNowUs + 29 * kSecondUs));
+  // All in one upload: what most samples say counts.
+  std::vector<Arrival> upload{At(43200.0, 0.0)};
+  for (int s = 1; s <= 15; ++s) upload.push_back(At(-s, 0.0));
+  CHECK(FlightClock(upload).AgeS(upload[1], kNowUs) == doctest::Approx(0.0));
+  CHECK_FALSE(FlightClock(upload).AgeS(upload[0], kNowUs));
+  // Two that contradict each other: the one that the server's clock agrees with.
+  const std::vector<Arrival> two{At(100.0, 0.0), At(0.8, 1.0)};
+  CHECK(FlightClock(two).AgeS(two[1], kNowUs + kSecondUs) == doctest::Approx(0.0));
+  CHECK_FALSE(FlightClock(two).AgeS(two[0], kNowUs + kSecondUs));
+}
+
+TEST_CASE(
+    "one sample ahead: a clock that is set during the flight counts when it has been consistent") {
+  // Ahead, which no link can do: after half as many seconds as before.
+  const auto ahead = [](int num_s) { return Live(0, 20) + Live(20, 20 + num_s, -100.0); };
+  const auto age_s = [](const std::vector<Arrival>& arrivals) {
+    return FlightClock(arrivals).AgeS(arrivals.back(), arrivals.back().arrived_at_us);
+  };
+  CHECK_FALSE(age_s(ahead(4)));
+  CHECK(age_s(ahead(10)) == doctest::Approx(0.0));
+  // Back, which may also be a link that is late: after twice as many.
+  const auto back = [](int num_s) { return Live(0, 20) + Live(20, 20 + num_s, 100.0); };
+  CHECK(age_s(back(30)) == doctest::Approx(100.0));
+  CHECK(age_s(back(45)) == doctest::Approx(0.0));
+}
+
+TEST_CASE("one sample ahead: where every time is another one, none is younger than its arrival") {
+  std::vector<Arrival> wild;
+  for (int s = 0; s < 20; ++s) wild.push_back(At(s + 500.0 * ((7 * s) % 20), s));
+  const FlightClock clock(wild);
+  for (const Arrival& sample : wild) {
+    const auto age_s = clock.AgeS(sample, kNowUs + 20 * kSecondUs);
+    if (age_s) CHECK(*age_s >= 1e-6 * (kNowUs + 20 * kSecondUs - sample.arrived_at_us) - 1e-6);
+  }
+}
+
+TEST_CASE("flight clock: a wind of another day does not blow today") {
+  const Arrival wind = At(-2.0 * 365.0 * 86400.0, 0.0);
+  CHECK(WindAgeS(wind, 0.0, kNowUs) == doctest::Approx(2.0 * 365.0 * 86400.0));
+  CHECK(WindAgeS(At(-60.0, 0.0), 0.5, kNowUs) == 0.5);
+  CHECK(WindAgeS({1000, kNowUs}, 0.5, kNowUs) == 0.5);
+  CHECK_FALSE(WindAgeS(At(-60.0, 0.0), std::nullopt, kNowUs));
 }
 
 TEST_CASE("arrival clock: it goes with the wall clock and never back") {

@@ -1,10 +1,14 @@
 // The latest pose and wind of a flight, also after a link was cut.
 #include "server/recall/live_pose.h"
 
+#include <algorithm>
+#include <map>
+
 #include <doctest/doctest.h>
 
 #include "api/api.h"
 #include "server/intake/intake.h"
+#include "tests/server/recall/bad_clock.h"
 #include "tests/server/test_server.h"
 
 namespace freelsd {
@@ -30,6 +34,15 @@ struct FlightInStorage {
                                {"longitude_deg", 8.0},
                                {"altitude_m", 500.0}};
     Put({{"position", place}}, flown_s, arrived_s);
+  }
+  // The position of that second, with another time.
+  void FlyAhead(int flown_s, int ahead_s) {
+    Fly(flown_s, flown_s);
+    std::vector<TelemetryRow> rows = {
+        storage.telemetry.Recent("f", TelemetryKind::kPosition, 1).back()};
+    rows[0].timestamp_us += ahead_s * kSecondUs;
+    rows[0].values[0] += 1.35;
+    REQUIRE(storage.telemetry.Put("f", rows));
   }
   void Blow(const nlohmann::json& wind, int blown_s, int arrived_s) {
     Put({{"wind", wind}}, blown_s, arrived_s);
@@ -101,6 +114,87 @@ TEST_CASE(
   CHECK_FALSE(flight.Pose(60).age_s);
   take("streamed", false, kNowUs - 86400 * kSecondUs);
   CHECK(flight.Pose(60).age_s == doctest::Approx(60.0).epsilon(0.01));
+}
+
+TEST_CASE("one sample ahead: the aircraft is where its good samples say, after each of them") {
+  for (const int ahead_s : {100, 12 * 3600, 86390}) {
+    INFO(ahead_s);
+    FlightInStorage flight;
+    for (int s = 0; s < 30; ++s) flight.Fly(s, s);
+    flight.FlyAhead(30, ahead_s);
+    // 150 km away, until 200 more have come.
+    for (int s = 30; s < 230; ++s) {
+      if (s > 30) flight.Fly(s, s);
+      const LivePose pose = flight.Pose(s);
+      CHECK(pose.timestamp_us == kNowUs + s * kSecondUs);
+      CHECK(pose.age_s.value() < 0.1);
+      CHECK(pose.heading_deg.value() == doctest::Approx(0.0));
+    }
+  }
+}
+
+TEST_CASE("one sample ahead: fifteen good winds count, not the one of half a day ahead") {
+  FlightInStorage flight;
+  for (int s = 0; s < 15; ++s) {
+    flight.Fly(s, s);
+    flight.Blow({{"east_mps", 1.0}, {"north_mps", 2.0}}, s, s);
+  }
+  flight.Blow({{"east_mps", 9.0}, {"north_mps", 0.0}}, 15 + 43200, 15);
+  CHECK(flight.Pose(15).wind->wind_in_world.x() == 1.0);
+  CHECK(flight.Pose(15).wind->age_s == doctest::Approx(1.0));
+  // The only wind that there is: it is told, and its age is unknown.
+  FlightInStorage other;
+  for (int s = 0; s < 15; ++s) other.Fly(s, s);
+  other.Blow({{"east_mps", 9.0}, {"north_mps", 0.0}}, 15 + 43200, 15);
+  CHECK_FALSE(other.Pose(15).wind->age_s);
+}
+
+// After each arrival: how much older than told the pose is, and how old it is.
+struct PoseErrors {
+  double most_understated_s = 0.0, oldest_at_end_s = 0.0;
+  bool is_outlier_shown = false;
+};
+
+PoseErrors ErrorsWith(ClockFault fault, uint32_t seed) {
+  constexpr int kNumSeconds = 240;
+  FlightInStorage flight;
+  PoseErrors errors;
+  std::map<int64_t, TimedSample> by_time;
+  for (const TimedSample& sample : SamplesOf(fault, kNumSeconds, kNowUs, seed)) {
+    TelemetryRow row{TelemetryKind::kPosition, sample.timestamp_us, {47.0, 8.0, 400.0, 0.0}};
+    row.arrived_at_us = sample.arrived_at_us;
+    REQUIRE(flight.storage.telemetry.Put("f", {row}));
+    by_time[sample.timestamp_us] = sample;
+    const int64_t now_us = sample.arrived_at_us;
+    const LivePose pose = LivePoseOf(flight.storage, "f", now_us).value();
+    const TimedSample& shown = by_time.at(pose.timestamp_us.value());
+    const double age_s = 1e-6 * static_cast<double>(now_us - shown.taken_at_us);
+    if (pose.age_s)
+      errors.most_understated_s = std::max(errors.most_understated_s, age_s - *pose.age_s);
+    errors.is_outlier_shown |= shown.is_outlier && pose.age_s && by_time.size() > 3;
+    if (now_us > kNowUs + (kNumSeconds - 5) * kSecondUs) {
+      errors.oldest_at_end_s = std::max(errors.oldest_at_end_s, pose.age_s.value_or(1e9));
+    }
+  }
+  return errors;
+}
+
+TEST_CASE("one sample ahead: with any bad clock no pose is older than told, and none stays") {
+  for (const ClockFault fault : {ClockFault::kNone,
+                                 ClockFault::kConstant,
+                                 ClockFault::kOutliers,
+                                 ClockFault::kFirstIsOutlier,
+                                 ClockFault::kBurst,
+                                 ClockFault::kStep,
+                                 ClockFault::kOutage}) {
+    for (uint32_t seed = 0; seed < 3; ++seed) {
+      INFO("fault ", static_cast<int>(fault), ", seed ", seed);
+      const PoseErrors errors = ErrorsWith(fault, seed);
+      CHECK(errors.most_understated_s < 2.1);
+      CHECK(errors.oldest_at_end_s < 3.0);
+      CHECK_FALSE(errors.is_outlier_shown);
+    }
+  }
 }
 
 TEST_CASE("live wind: its source and deviation are those that were sent") {

@@ -298,9 +298,9 @@ TEST_CASE("obstructed: the alternates of a flight heed a new obstacle and its de
   const auto result = field.client->Post("/v1/flights", R"({"name":"live"})", "application/json");
   REQUIRE(result->status == 201);
   const std::string flight = nlohmann::json::parse(result->body)["id"];
-  const std::string line =
-      R"({"timestamp_us":1600000000000000,"position":{"latitude_deg":47.035,"longitude_deg":8.0,)"
-      R"("altitude_m":900},"wind":{"east_mps":0,"north_mps":-4}})";
+  const std::string line = R"({"timestamp_us":)" + std::to_string(NowUs()) +
+                           R"(,"position":{"latitude_deg":47.035,"longitude_deg":8.0,)"
+                           R"("altitude_m":900},"wind":{"east_mps":0,"north_mps":-4}})";
   REQUIRE(field.client->Post("/v1/flights/" + flight + "/telemetry", line, "application/x-ndjson")
               ->status == 200);
   const auto has_field = [&] {

@@ -313,7 +313,11 @@ TEST_CASE("route check: a flight's wind comes with its deviation, as in recall")
     const bool is_covered = sample["covered"];
     CHECK(is_covered == !recall["sites"].empty());
     if (is_covered) {
-      CHECK(sample["arrival_margin_m"] == recall["sites"][0]["arrival_margin_m"]);
+      // The wind is a little older by now.
+      constexpr double kMaxAgedM = 1.0;
+      const double margin_m = sample["arrival_margin_m"];
+      const double recalled_m = recall["sites"][0]["arrival_margin_m"];
+      CHECK(std::abs(margin_m - recalled_m) < kMaxAgedM);
     }
     const nlohmann::json& exactly = exact["samples"][i];
     num_lower += exactly["covered"] &&
