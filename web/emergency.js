@@ -4,17 +4,17 @@ import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { emergencyCard } from './emergency_card.js';
+import { ageText, headline, isOldPosition, isWindKnown, isWindOld, sentence, sourceText } from './emergency_text.js';
 import { createEmergencyMap } from './emergency_map.js';
 import { nearestSites } from './nearest.js';
 import { isLive } from './reach.js';
-import { age, groundAge_s, isKnown, windFrom, windTo } from './units.js';
+import { groundAge_s, isKnown, windFrom, windTo } from './units.js';
 import { stripOfAnswer } from './watch_shape.js';
 
 const kRefresh_ms = 5000;
 const kRefreshLive_ms = 2000;
 const kShown = 3;
 const kept = 'freelsd.emergency';
-const kOld_s = 60;
 // A position of yesterday is worse than none: only what belongs to the aircraft is kept.
 const keptFields = ['glide_ratio', 'altitude_datum'];
 
@@ -23,18 +23,30 @@ const keptFields = ['glide_ratio', 'altitude_datum'];
 const input = (name) => byId(`em-${name}`);
 const number = (name) => (input(name).value === '' ? null : Number(input(name).value));
 
-// flight: the id of the flight whose position is asked for, or null. Its datum, its aircraft and its wind, which has an
-// age, are those of the request.
-function requestOfForm(flight) {
+const positionFields = ['latitude_deg', 'longitude_deg'];
+const windFields = ['wind_speed_mps', 'wind_from_deg'];
+const ofFlight = ['altitude_m', 'heading_deg', ...windFields];
+
+// flight: the id of the flight whose position is asked for, or null. The server takes its datum, aircraft, heading and wind
+// from there, with their ages: a value in the request counts as one of now. entered: the names of fields that the user entered.
+function requestOfForm(flight, entered) {
+  const isGiven = (...names) => !flight || names.some((name) => entered.has(name));
   const speed = number('wind_speed_mps');
   const from = number('wind_from_deg');
-  const wind = flight || speed === null || from === null ? null : windTo(speed, from);
+  const wind = speed === null || from === null || !isGiven(...windFields) ? null : windTo(speed, from);
   return {
     latitude_deg: number('latitude_deg'), longitude_deg: number('longitude_deg'), altitude_m: number('altitude_m'),
-    altitude_datum: input('altitude_datum').value, heading_deg: number('heading_deg'), glide_ratio: number('glide_ratio'),
+    altitude_datum: isGiven('altitude_datum') ? input('altitude_datum').value : undefined,
+    heading_deg: isGiven('heading_deg') ? number('heading_deg') : undefined, glide_ratio: number('glide_ratio'),
     wind_east_mps: wind?.east_mps.toFixed(3), wind_north_mps: wind?.north_mps.toFixed(3), limit: kShown,
     flight: flight ?? undefined,
   };
+}
+
+// The wind of the answer, with its age; null if it is unknown.
+function windOf(request, answer) {
+  if (request.wind_east_mps === undefined) return answer?.taken_from_flight?.wind ?? null;
+  return { east_mps: Number(request.wind_east_mps), north_mps: Number(request.wind_north_mps), age_s: 0 };
 }
 
 const fill = (name, value, digits) => { input(name).value = isKnown(value) ? value.toFixed(digits) : ''; };
@@ -59,22 +71,15 @@ function fillKept() {
   for (const name of keptFields) if (known[name] !== undefined) input(name).value = known[name];
 }
 
-const since = (age_s) => (isKnown(age_s) ? `${age(age_s)} old` : 'of unknown age');
-
-// pose and wind: of the flight's last data, as its alternates tell them. Ages count from when they were measured.
-function fillFromFlight({ pose, wind }, flightName) {
-  const from = windFrom(wind ?? null);
+// What the flight has measured, but for what the user entered.
+function fillFromFlight({ pose, wind }, flightName, entered) {
   // A wind in the form is one of now.
-  const filled = wind?.counts_as === 'known' ? from : null;
-  const isOld = !isKnown(pose.age_s) || pose.age_s > kOld_s;
-  setPosition(pose, `Position and altitude of flight ${flightName}, ${since(pose.age_s)}. ` +
-    (from ? `Wind of the same flight, ${since(wind.age_s)}${filled ? '' : `: counts as ${wind.counts_as}`}. ` : 'Wind unknown. ') +
-    (isKnown(pose.heading_deg) ? 'Heading from its track.' : 'Heading unknown.'), isOld);
-  fill('altitude_m', pose.altitude_m, 0);
-  input('altitude_datum').value = pose.altitude_datum ?? 'unknown';
-  fill('heading_deg', pose.heading_deg, 0);
-  fill('wind_speed_mps', filled?.speed_mps, 1);
-  fill('wind_from_deg', filled?.from_deg, 0);
+  const from = wind && !isWindOld(wind) ? windFrom(wind) : null;
+  setSource(sourceText({ pose, wind, isWindEntered: windFields.some((name) => entered.has(name)) }, flightName), isOldPosition(pose));
+  const values = { latitude_deg: [pose.latitude_deg, 6], longitude_deg: [pose.longitude_deg, 6], altitude_m: [pose.altitude_m, 0],
+    heading_deg: [pose.heading_deg, 0], wind_speed_mps: [from?.speed_mps, 1], wind_from_deg: [from?.from_deg, 0] };
+  for (const [name, [value, digits]] of Object.entries(values)) if (!entered.has(name)) fill(name, value, digits);
+  if (!entered.has('altitude_datum')) input('altitude_datum').value = pose.altitude_datum ?? 'unknown';
 }
 
 // --- Message ---
@@ -85,11 +90,6 @@ function say(text, className = '') {
 }
 
 const now = () => new Date().toLocaleTimeString();
-
-function sayReach({ sites, nearest_miss: miss }) {
-  if (sites.length > 0) say(`In reach, best first (${now()})`);
-  else say(`No site in reach (${now()}). ${miss ? 'Closest miss:' : 'No usable site is stored nearby.'}`, 'bad');
-}
 
 // --- Sites ---
 
@@ -114,18 +114,11 @@ async function askReach(request, signal) {
   }
 }
 
-// The wind of the answer's plans, null if it is unknown.
-function windOf(request, answer) {
-  const taken = answer?.taken_from_flight?.wind;
-  if (taken && taken.counts_as !== 'unknown') return { east_mps: taken.east_mps, north_mps: taken.north_mps };
-  if (request.wind_east_mps === undefined) return null;
-  return { east_mps: Number(request.wind_east_mps), north_mps: Number(request.wind_north_mps) };
-}
-
 class Emergency {
   #on;
   #flight = null; // id of the flight whose position is filled in, null for any other position
-  #isOwn = false; // the user has entered or chosen something: nothing is filled in any more
+  #isOwn = false; // the user has entered a place, an altitude or a heading: nothing is filled in any more
+  #entered = new Set(); // names of the fields that the user entered
   #wind = null; // of the answer shown
   #pose = null; // of the followed flight
   #map = createEmergencyMap();
@@ -138,9 +131,13 @@ class Emergency {
     fillKept();
     byId('em-form').addEventListener('input', (event) => this.#takeOver(event.target));
     byId('em-form').addEventListener('submit', (event) => { event.preventDefault(); this.#ask(); });
-    byId('em-flight').addEventListener('click', () => { this.#isOwn = false; this.#ask(); });
+    byId('em-flight').addEventListener('click', () => {
+      this.#isOwn = false;
+      this.#entered.clear();
+      this.#ask();
+    });
     byId('em-center').addEventListener('click', () => {
-      this.#isOwn = true;
+      this.#leaveFlight();
       setPosition(on.center(), 'Position: centre of the map.', true);
       this.#ask();
     });
@@ -151,7 +148,7 @@ class Emergency {
       this.#stop();
       this.#on.useReach(null);
     });
-    byId('em-curl').append(curlButton('the emergency sites', () => curlOf(api.paths.emergency(requestOfForm(this.#flight)))));
+    byId('em-curl').append(curlButton('the emergency sites', () => curlOf(api.paths.emergency(requestOfForm(this.#flight, this.#entered)))));
     for (const button of document.querySelectorAll('[data-emergency]')) {
       button.addEventListener('click', () => this.#open());
     }
@@ -170,12 +167,27 @@ class Emergency {
     this.#ask();
   }
 
-  // The user has entered a value. An age of the flight's data would stand still from now on.
+  // A place, an altitude or a heading stands still from now on, so an age of the flight's data would too. The wind, the
+  // datum and the glide ratio do not move with the aircraft.
   #takeOver(changed) {
-    if (changed === input('latitude_deg') || changed === input('longitude_deg')) setSource('Position as entered.', false);
-    else if (!this.#isOwn && this.#pose) setSource(`Values as entered. Position of flight ${this.#on.flightName()} at ${now()}.`, true);
-    this.#isOwn = true;
+    const name = changed.id.replace('em-', '');
+    this.#entered.add(name);
+    if (positionFields.includes(name)) {
+      this.#leaveFlight();
+      setSource('Position as entered.', false);
+    } else if (name === 'altitude_m' || name === 'heading_deg') {
+      if (!this.#isOwn && this.#pose) setSource(`Values as entered. Position of flight ${this.#on.flightName()} at ${now()}.`, true);
+      this.#isOwn = true;
+    }
     this.#ask();
+  }
+
+  // What was measured on the flight does not belong to another place.
+  #leaveFlight() {
+    if (this.#flight) for (const name of ofFlight) if (!this.#entered.has(name)) fill(name, null);
+    if (this.#flight && !this.#entered.has('altitude_datum')) input('altitude_datum').value = 'unknown';
+    this.#flight = null;
+    this.#isOwn = true;
   }
 
   glideRatio() { return number('glide_ratio'); }
@@ -186,21 +198,22 @@ class Emergency {
   // The selected flight's last position, altitude and wind, unless the user has entered others.
   async #follow(signal) {
     const flight = this.#on.flight();
-    this.#flight = null;
-    this.#pose = null;
-    if (this.#isOwn || !flight) return;
-    const answer = await api.getAlternates(flight, signal).catch(() => null);
-    if (!answer?.pose || this.#isOwn || signal.aborted) return;
-    fillFromFlight(answer, this.#on.flightName());
-    this.#flight = flight;
-    this.#pose = answer.pose;
+    if (this.#isOwn) {
+      this.#pose = null;
+      return;
+    }
+    const answer = flight ? await api.getAlternates(flight, signal).catch(() => null) : null;
+    if (this.#isOwn || signal.aborted) return;
+    this.#pose = answer?.pose ?? null;
+    this.#flight = this.#pose ? flight : null;
+    if (this.#pose) fillFromFlight(answer, this.#on.flightName(), this.#entered);
   }
 
   // A live flight's own reach is always shown. Else the reach of the position in the form, if its altitude is known.
   #useReach({ limit, ...request }) {
     if (isLive(this.#pose)) this.#on.useReach(null);
     else {
-      const text = this.#pose ? `position ${since(this.#pose.age_s)}` : 'from the entered position';
+      const text = this.#pose ? `position ${ageText(this.#pose.age_s)}` : 'from the entered position';
       this.#on.useReach({ request: request.altitude_m === null ? null : request, text });
     }
   }
@@ -213,7 +226,8 @@ class Emergency {
   #show(site) {
     this.#stop();
     this.#dialog.close();
-    this.#on.show(site, site.reach === 'unknown' ? undefined : this.#wind);
+    const wind = isWindKnown(this.#wind) ? { east_mps: this.#wind.east_mps, north_mps: this.#wind.north_mps } : null;
+    this.#on.show(site, site.reach === 'unknown' ? undefined : wind);
   }
 
   #draw({ sites, nearest_miss: miss, warnings = [] }, from) {
@@ -222,9 +236,9 @@ class Emergency {
     const focused = [...byId('em-cards').querySelectorAll('button')].indexOf(document.activeElement);
     byId('em-cards').replaceChildren(...cards.map((site, i) =>
       emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), strip: this.#on.stripOf(site.site_id) ?? stripOfAnswer(site),
-        onShow: () => this.#show(site) })));
+        wind: this.#wind, onShow: () => this.#show(site) })));
     byId('em-cards').querySelectorAll('button')[focused]?.focus();
-    byId('em-warnings').replaceChildren(...warnings.map((w) => el('li', {}, typeof w === 'string' ? w : w.detail)));
+    byId('em-warnings').replaceChildren(...warnings.map((warning) => el('li', {}, sentence(warning))));
     this.#map.show({ from, sites: cards });
     this.#on.drawBearings(from, shown);
   }
@@ -235,7 +249,8 @@ class Emergency {
     const answer = isAltitudeKnown ? await askReach(request, signal) : null;
     this.#wind = windOf(request, answer);
     this.#draw(answer ?? { sites: await uncheckedSites(from, signal) }, from);
-    if (answer) sayReach(answer);
+    const { text, isBad } = answer ? headline(answer, this.#pose) : {};
+    if (answer) say(`${text} (${now()})`, isBad ? 'bad' : '');
     else if (isAltitudeKnown) say(`This server cannot check reach. Sites below are unchecked (${now()}).`, 'bad');
     else say('Enter altitude to check reach. Sites below are unchecked.', 'bad');
   }
@@ -267,7 +282,7 @@ class Emergency {
   #locate() {
     say('Reading device position …');
     navigator.geolocation.getCurrentPosition(({ coords }) => {
-      this.#isOwn = true;
+      this.#leaveFlight();
       setPosition({ latitude_deg: coords.latitude, longitude_deg: coords.longitude }, 'Position of this device.');
       if (isKnown(coords.altitude)) input('altitude_m').value = coords.altitude.toFixed(0);
       if (isKnown(coords.heading)) input('heading_deg').value = coords.heading.toFixed(0);

@@ -57,7 +57,7 @@ class EmergencyMap {
   }
 
   #drawKey() {
-    byId('em-key').replaceChildren(...reachKey(this.#shown.reach), ...obstacleKey(this.#source.features));
+    byId('em-key').replaceChildren(...reachKey(this.#shown.reach, this.#shown.sites), ...obstacleKey(this.#source.features));
     byId('em-reach').textContent = [this.#shown.reachText, this.#source.note].filter(Boolean).join('. ');
   }
 

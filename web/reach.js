@@ -16,14 +16,10 @@ const kSites = 20;
 
 export const isLive = (pose) => isKnown(pose?.age_s) && pose.age_s <= kLive_s;
 
-// The request for a flight's last position. The server takes the flight's wind, and knows how old it is.
+// The request for a flight's last position. The server takes the rest from the flight, the wind with its age.
 // glide_ratio: null for the aircraft's own.
-export function requestOf(flight, { pose }, glide_ratio) {
-  return {
-    latitude_deg: pose.latitude_deg, longitude_deg: pose.longitude_deg, altitude_m: pose.altitude_m,
-    altitude_datum: pose.altitude_datum, heading_deg: pose.heading_deg, glide_ratio, flight,
-  };
-}
+export const requestOf = (flight, { pose: { latitude_deg, longitude_deg, altitude_m } }, glide_ratio) =>
+  ({ latitude_deg, longitude_deg, altitude_m, glide_ratio, flight });
 
 const placeOf = ({ latitude_deg, longitude_deg }) => ({ latitude_deg, longitude_deg });
 

@@ -2,7 +2,8 @@
 /* global L */
 
 import { el } from './dom.js';
-import { margin, siteLetter } from './units.js';
+import { kinds, marginKind, marginText } from './emergency_text.js';
+import { siteLetter } from './units.js';
 
 const kLabel = { width: 88, height: 28 };  // px
 const kDisc = 34;  // px, of a site with a letter or a number
@@ -20,23 +21,23 @@ const ringsOfKind = (collection, kind) => collection.features
   .filter(({ properties, geometry }) => properties.kind === kind && geometry)
   .flatMap(({ geometry }) => ringsOf(geometry).map(latLngs));
 
-// {id, place, margin_m, disc, name} of each site; disc: px. The answer that the cards show comes first: its letters win, not the ranks.
+// {id, place, kind, text, disc, name} of each site; kind, text: of its margin; disc: px. The answer that the cards show comes first: its letters win, not the ranks.
 function sitesOf(collection, cards, ranks) {
   const shown = cards.map((card, i) => ({ ...card, name: siteLetter(i) })).filter((card) => Number.isFinite(card.arrival_margin_m)).map((card) => ({
-    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m,
+    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], kind: marginKind(card), text: marginText(card),
     disc: kDisc, name: card.name }));
   const others = (collection?.features ?? [])
     .filter(({ properties: p, geometry }) => p.kind === 'site' && geometry && Number.isFinite(p.arrival_margin_m))
-    .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], margin_m: p.arrival_margin_m,
+    .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], kind: marginKind(p), text: marginText(p),
       disc: shown.length > 0 ? kDot : kDisc, name: shown.length > 0 ? '' : ranks.get(p.site_id ?? p.id) ?? '' }))
     .filter(({ id }) => !shown.some((card) => card.id === id));
   return [...shown, ...others];
 }
 
-function labelOf({ place, margin_m, name }) {
-  const text = el('span', { class: margin_m >= 0 ? 'enough' : 'short', 'data-name': name }, margin(margin_m));
+function labelOf({ place, kind, text, name }) {
+  const node = el('span', { class: kind, 'data-name': name }, text);
   return L.marker(place, {
-    icon: L.divIcon({ className: 'arrival', html: text, iconSize: [0, 0] }), interactive: false, keyboard: false, zIndexOffset: 1200,
+    icon: L.divIcon({ className: 'arrival', html: node, iconSize: [0, 0] }), interactive: false, keyboard: false, zIndexOffset: 1200,
   });
 }
 
@@ -123,13 +124,14 @@ export function createReachOverlay(map) {
 
 const swatch = (name, text) => el('span', { class: 'swatch' }, el('i', { class: `key-${name}` }), text);
 
-// The legend of what is drawn.
-export function reachKey(collection) {
+// The legend of what is drawn. cards: as of draw.
+export function reachKey(collection, cards = []) {
   if (!collection) return [];
   const has = (kind) => collection.features.some(({ properties }) => properties.kind === kind);
+  const drawn = new Set(sitesOf(collection, cards, new Map()).map(({ kind }) => kind));
   return [
     has('reach') ? swatch('reach', 'in reach') : null,
     has('unknown_terrain') ? swatch('unknown-terrain', 'in reach, terrain unknown') : null,
-    has('site') ? swatch('arrival', 'arrival margin') : null,
+    ...Object.keys(kinds).filter((kind) => drawn.has(kind)).map((kind) => swatch(`arrival ${kind}`, kinds[kind])),
   ].filter(Boolean);
 }

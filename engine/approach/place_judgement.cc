@@ -53,12 +53,18 @@ Wording WordingOf(CellCondition condition) {
   return {"object", "m", "What stands on the ground", " m", 2};
 }
 
-std::string CellSentence(const CellRule& rule, const Wording& wording, double value, double limit) {
+std::string CellSentence(const CellRule& rule,
+                         const Wording& wording,
+                         double value,
+                         double limit,
+                         bool is_height_known) {
   const bool is_unexplained =
       rule.condition == CellCondition::kSeen && !rule.passed && value <= limit;
   if (is_unexplained) return "Too little ground around the place was seen to know its slope.";
   if (rule.condition == CellCondition::kSeen && !std::isfinite(value)) {
-    return "No height of the ground is known here. Unseen ground is never safe.";
+    return is_height_known ? "How exact the height of the ground is here is not known. Ground that "
+                             "was not measured is never safe."
+                           : "No height of the ground is known here. Unseen ground is never safe.";
   }
   const bool is_least = rule.condition == CellCondition::kGrass;
   return std::string(wording.subject) + " is " +
@@ -67,7 +73,7 @@ std::string CellSentence(const CellRule& rule, const Wording& wording, double va
          (is_least ? " is needed." : " is allowed.");
 }
 
-PlaceRule RuleOf(const CellRule& rule) {
+PlaceRule RuleOf(const CellRule& rule, bool is_height_known) {
   const Wording wording = WordingOf(rule.condition);
   const bool is_angle = rule.condition == CellCondition::kNotSteep;
   const double value = is_angle ? DegFromRad(rule.value) : rule.value;
@@ -77,7 +83,7 @@ PlaceRule RuleOf(const CellRule& rule) {
           .value = IfKnown(value),
           .limit = IfKnown(limit),
           .unit = wording.unit,
-          .sentence = CellSentence(rule, wording, value, limit)};
+          .sentence = CellSentence(rule, wording, value, limit, is_height_known)};
 }
 
 PlaceRule DistanceRule(const Touchdown& touchdown, double required) {
@@ -157,14 +163,14 @@ PlaceJudgement JudgeGround(const ApproachGround& ground,
                            const HazardOptions& options) {
   const HazardLimits limits{ground.aircraft.max_slope_deg, ground.aircraft.max_roughness_m};
   PlaceJudgement judgement;
+  judgement.height = IfKnown(ground.map.elevation(cell));
   for (const CellRule& rule : CellRulesAt(ground.map, ground.hazards, cell, limits, options)) {
-    judgement.rules.push_back(RuleOf(rule));
+    judgement.rules.push_back(RuleOf(rule, judgement.height.has_value()));
   }
   judgement.rules.push_back(
       DistanceRule(TouchdownAt(ground.map, ground.hazards, cell), ground.required_hazard_distance));
   judgement.rules.push_back(OutlineRule(ground, cell));
   judgement.rules.push_back(RegionRule(ground));
-  judgement.height = IfKnown(ground.map.elevation(cell));
   judgement.height_sd = IfKnown(ground.map.standard_deviation(cell));
   judgement.grass_probability = IfKnown(ground.hazards.grass(cell));
   return judgement;

@@ -32,6 +32,12 @@ void RequirePath(const Aircraft& aircraft) {
   throw std::invalid_argument(message.str());
 }
 
+// As people call it, and its unit.
+struct Limit {
+  const char* name;
+  const char* unit;
+};
+
 }  // namespace
 
 void Aircraft::Check() const {
@@ -60,7 +66,7 @@ std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft) {
   std::vector<Aircraft> known;
   for (const std::string& name : AircraftProfileNames()) known.push_back(*AircraftProfile(name));
   std::vector<std::string> looser;
-  const auto compare = [&](const char* field, double Aircraft::*value, bool is_larger_looser) {
+  const auto compare = [&](const Limit& limit, double Aircraft::*value, bool is_larger_looser) {
     const auto [least, most] = std::minmax_element(
         known.begin(), known.end(), [value](const Aircraft& a, const Aircraft& b) {
           return a.*value < b.*value;
@@ -69,19 +75,20 @@ std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft) {
     const bool is_looser = is_larger_looser ? aircraft.*value > bound : aircraft.*value < bound;
     if (!is_looser) return;
     std::ostringstream text;
-    text << field << " = " << aircraft.*value
-         << " (profiles: " << (is_larger_looser ? "at most " : "at least ") << bound << ")";
+    text << limit.name << " " << aircraft.*value << limit.unit
+         << " (profiles: " << (is_larger_looser ? "at most " : "at least ") << bound << limit.unit
+         << ")";
     looser.push_back(text.str());
   };
-  compare("crosswind_uncertainty_deg", &Aircraft::crosswind_uncertainty_deg, false);
-  compare("touchdown_uncertainty_m", &Aircraft::touchdown_uncertainty_m, false);
-  compare("max_slope_deg", &Aircraft::max_slope_deg, true);
-  compare("max_roughness_m", &Aircraft::max_roughness_m, true);
-  compare("safety_margin_m", &Aircraft::safety_margin_m, false);
-  compare("path_half_width_m", &Aircraft::path_half_width_m, false);
-  compare("min_ground_speed_mps", &Aircraft::min_ground_speed_mps, false);
-  compare("ground_roll_m", &Aircraft::ground_roll_m, false);
-  compare("max_failure_probability", &Aircraft::max_failure_probability, true);
+  compare({"change of the wind direction", " deg"}, &Aircraft::crosswind_uncertainty_deg, false);
+  compare({"uncertainty of the touchdown", " m"}, &Aircraft::touchdown_uncertainty_m, false);
+  compare({"slope", " deg"}, &Aircraft::max_slope_deg, true);
+  compare({"roughness", " m"}, &Aircraft::max_roughness_m, true);
+  compare({"clearance above obstacles", " m"}, &Aircraft::safety_margin_m, false);
+  compare({"half width of the path", " m"}, &Aircraft::path_half_width_m, false);
+  compare({"ground speed on final", " m/s"}, &Aircraft::min_ground_speed_mps, false);
+  compare({"ground roll", " m"}, &Aircraft::ground_roll_m, false);
+  compare({"probability of a failed landing", ""}, &Aircraft::max_failure_probability, true);
   return looser;
 }
 

@@ -20,8 +20,24 @@ constexpr int kNumCirclePoints = 36;
 // A circle over ground about a fixed centre: points relative to its start, time and height lost.
 struct Circle {
   std::vector<DescentPoint> points;
-  double Time() const { return points.back().time_s; }
   double HeightLost() const { return -points.back().position_in_world.z(); }
+  double HeightLostFrom(size_t point) const {
+    return HeightLost() + points[point].position_in_world.z();
+  }
+};
+
+// How a path loses height on the circle. It joins the circle at one of its points, and flies along
+// it to the start of the final; 0: it comes to the start of the final itself. Then it flies whole
+// circles.
+struct Laps {
+  size_t joining = 0;
+  int num_circles = 0;
+
+  double HeightLost(const std::optional<Circle>& circle) const {
+    if (!circle) return 0.0;
+    return num_circles * circle->HeightLost() +
+           (joining > 0 ? circle->HeightLostFrom(joining) : 0.0);
+  }
 };
 
 // Nothing if the wind is too strong to fly it.
@@ -63,6 +79,7 @@ StraightGlide AtLandingSpeed(Aircraft aircraft) {
 struct Task {
   TransitTask transit;
   Transit shortest;
+  Performance tightest;
   // Height above the start of the final.
   double height = 0.0;
   // Nothing if the wind is too strong to fly the circle.
@@ -95,7 +112,7 @@ std::optional<Task> TaskOf(const GlideStart& start,
     // Of one heading no path may be found (TightestTransit); the others still have theirs.
     if (!transit) continue;
     if (!worst || transit->height_lost > worst->shortest.height_lost) {
-      worst = Task{transit_task, *transit, 0.0, std::nullopt};
+      worst = Task{transit_task, *transit, tightest, 0.0, std::nullopt};
     }
   }
   if (!worst) return std::nullopt;
@@ -133,12 +150,14 @@ class Flight {
     Pass(length / performance.Airspeed(), performance.straight.sink_rate_mps);
   }
 
-  // The last point and the circle's start are the same place.
-  void Around(const Circle& circle) {
+  // The last point and the circle's point `from` are the same place.
+  void Along(const Circle& circle, size_t from) {
     const DescentPoint begin = points.back();
-    for (size_t i = 1; i < circle.points.size(); ++i) {
-      points.push_back({begin.position_in_world + circle.points[i].position_in_world,
-                        begin.time_s + circle.points[i].time_s});
+    const DescentPoint& first = circle.points[from];
+    for (size_t i = from + 1; i < circle.points.size(); ++i) {
+      const DescentPoint& next = circle.points[i];
+      points.push_back({begin.position_in_world + next.position_in_world - first.position_in_world,
+                        begin.time_s + next.time_s - first.time_s});
     }
   }
 
@@ -158,33 +177,78 @@ class Flight {
   double height_;
 };
 
-Descent Flown(const Task& task,
-              const Way& way,
-              int num_circles,
-              const GlideStart& start,
-              const Approach& approach,
-              const Aircraft& aircraft) {
-  Flight flight(task.transit, start.position_in_world);
+// Where and how an aircraft lands.
+struct LandingTask {
+  const GlideStart& start;
+  const Approach& approach;
+  const Aircraft& aircraft;
+};
+
+double TimeOnFinal(const LandingTask& landing) {
+  const Aircraft& aircraft = landing.aircraft;
+  const double landing_speed =
+      aircraft.landing_airspeed_mps * std::cos(RadFromDeg(aircraft.flight_path_angle_deg));
+  return landing.approach.approach_distance / landing.approach.ground_speed.value_or(landing_speed);
+}
+
+Descent Flown(const Task& task, const Way& way, const Laps& laps, const LandingTask& landing) {
+  Flight flight(task.transit, landing.start.position_in_world);
   Descent descent;
   for (size_t i = 0; i < way.legs.size(); ++i) {
     if (i == way.num_legs_to_decision) descent.decision = flight.points.size() - 1;
     flight.Turn(way.legs[i].turn, way.performance);
     flight.Straight(way.legs[i].straight_m, way.performance);
   }
-  descent.arrival = flight.points.size() - 1;
+  descent.joining = flight.points.size() - 1;
   // The iteration for the drift leaves a few centimetres.
-  flight.points.back().position_in_world.head<2>() = approach.approach_start_in_world.head<2>();
-  for (int i = 0; i < num_circles; ++i) flight.Around(*task.circle);
+  flight.points.back().position_in_world.head<2>() = task.transit.to.place;
+  if (laps.joining > 0) flight.Along(*task.circle, laps.joining);
+  descent.arrival = flight.points.size() - 1;
+  for (int i = 0; i < laps.num_circles; ++i) flight.Along(*task.circle, 0);
   descent.final_start = flight.points.size() - 1;
-  const double landing_speed =
-      aircraft.landing_airspeed_mps * std::cos(RadFromDeg(aircraft.flight_path_angle_deg));
-  const double time = approach.approach_distance / approach.ground_speed.value_or(landing_speed);
-  flight.points.push_back({approach.touchdown_in_world, flight.points.back().time_s + time});
+  flight.points.push_back(
+      {landing.approach.touchdown_in_world, flight.points.back().time_s + TimeOnFinal(landing)});
   descent.points = std::move(flight.points);
-  descent.num_circles = num_circles;
-  const double lost_in_circles = num_circles > 0 ? num_circles * task.circle->HeightLost() : 0.0;
-  descent.surplus_height_m = std::max(0.0, task.height - lost_in_circles - way.height_lost);
+  descent.num_circles = laps.num_circles;
+  descent.surplus_height_m =
+      std::max(0.0, task.height - laps.HeightLost(task.circle) - way.height_lost);
   return descent;
+}
+
+// The same task to a point of the circle. Nothing if no path is found.
+std::optional<Task> JoiningAt(const Task& task, size_t point, const Approach& approach) {
+  const double side = approach.loiter_direction == LoiterDirection::kLeft ? -1.0 : 1.0;
+  const double heading =
+      approach.heading + side * 2.0 * kPi * static_cast<double>(point) / kNumCirclePoints;
+  const Performance& performance = task.tightest;
+  Task joining = task;
+  joining.transit.to = {approach.approach_start_in_world.head<2>() +
+                            task.circle->points[point].position_in_world.head<2>(),
+                        AirHeading(heading, task.transit.wind, performance.Airspeed())};
+  const auto transit = TightestTransit(joining.transit, performance);
+  if (!transit) return std::nullopt;
+  joining.shortest = *transit;
+  return joining;
+}
+
+// The first path that joins the circle and is taken, with the shortest part of the circle.
+std::optional<Descent> Joined(const Task& task,
+                              int num_circles,
+                              const LandingTask& landing,
+                              double max_surplus_m,
+                              const std::function<bool(const Descent&)>& takes) {
+  if (!task.circle) return std::nullopt;
+  for (size_t point = task.circle->points.size() - 2; point > 0; --point) {
+    const Laps laps{point, num_circles};
+    const auto joining = JoiningAt(task, point, landing.approach);
+    if (!joining) continue;
+    const double surplus =
+        task.height - laps.HeightLost(task.circle) - joining->shortest.height_lost;
+    if (surplus < 0.0 || surplus > max_surplus_m) continue;
+    Descent descent = Flown(*joining, WayOf(joining->shortest), laps, landing);
+    if (takes(descent)) return descent;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -195,7 +259,8 @@ std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const GlideOptions& options) {
   const std::optional<Task> task = TaskOf(start, approach, aircraft, options);
   if (!task) return std::nullopt;
-  return Flown(*task, WayOf(task->shortest), task->MaxNumCircles(), start, approach, aircraft);
+  return Flown(
+      *task, WayOf(task->shortest), {0, task->MaxNumCircles()}, {start, approach, aircraft});
 }
 
 std::optional<Descent> PlanLongerDescent(const GlideStart& start,
@@ -205,18 +270,23 @@ std::optional<Descent> PlanLongerDescent(const GlideStart& start,
                                          const std::function<bool(const Descent&)>& takes) {
   const std::optional<Task> task = TaskOf(start, approach, aircraft, options);
   if (!task) return std::nullopt;
+  const LandingTask landing{start, approach, aircraft};
   std::optional<Descent> taken;
   const int most = task->MaxNumCircles();
+  const int least = std::max(0, most - 1);
   // One circle less leaves more height for a way that can lose no less than a whole turn.
-  for (int num_circles = most; num_circles >= std::max(0, most - 1); --num_circles) {
-    const double in_circles = num_circles > 0 ? num_circles * task->circle->HeightLost() : 0.0;
+  for (int num_circles = most; num_circles >= least; --num_circles) {
+    const Laps laps{0, num_circles};
     const auto is_taken = [&](const Way& way) {
-      taken = Flown(*task, way, num_circles, start, approach, aircraft);
+      taken = Flown(*task, way, laps, landing);
       return takes(*taken);
     };
-    if (WayLosing(task->transit, task->shortest, task->height - in_circles, is_taken)) {
-      return taken;
-    }
+    const double height_lost = task->height - laps.HeightLost(task->circle);
+    if (WayLosing(task->transit, task->shortest, height_lost, is_taken)) return taken;
+  }
+  for (int num_circles = most; num_circles >= least; --num_circles) {
+    taken = Joined(*task, num_circles, landing, options.max_surplus_m, takes);
+    if (taken) return taken;
   }
   return std::nullopt;
 }

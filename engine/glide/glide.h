@@ -84,7 +84,8 @@ struct DescentPoint {
 };
 
 // The whole path to a stored approach in one wind. Its parts in order:
-// - turns and a straight glide to the start of the final;
+// - turns and a straight glide to the start of the final, or to a point of the loiter circle and
+//   along the circle to the start of the final;
 // - circles there that lose surplus height, if there is enough for a circle;
 // - the final.
 struct Descent {
@@ -92,6 +93,8 @@ struct Descent {
   std::vector<DescentPoint> points;
   // Index of the point up to which the pilot can still leave out the rest of a longer way.
   size_t decision = 0;
+  // Index of the point from which the path follows the loiter circle, or is the final.
+  size_t joining = 0;
   // Index of the point at which the path first reaches the start of the final.
   size_t arrival = 0;
   // Index of the point at which the final begins. Equals `arrival` if no circle is flown.
@@ -113,8 +116,10 @@ std::optional<Descent> PlanDescent(const GlideStart& start,
 
 // The first longer way to the start of the final that `takes` takes, of those that leave hardly any
 // surplus height there (0.5 m at most): a longer straight piece, wider turns, a bend, a wider
-// circle. Ways that can be cut short for long come first. Nothing where PlanDescent gives nothing,
-// and where no such way is found or taken.
+// circle. Ways that can be cut short for long come first. Last come ways that join the loiter
+// circle where its rest loses the height (all but options.max_surplus_m): the planner has checked
+// the ground below. Nothing where PlanDescent gives nothing, and where no such way is found or
+// taken.
 std::optional<Descent> PlanLongerDescent(const GlideStart& start,
                                          const Approach& approach,
                                          const Aircraft& aircraft,

@@ -61,7 +61,8 @@ void AnswerLanding(const Service& service,
                    const ExportOptions& options,
                    httplib::Response& response) {
   if (answer.at("sites").empty()) {
-    throw ApiError("NothingInReach", "no stored site is in reach: there is no landing to export");
+    throw ApiError("NothingInReach",
+                   answer.at("summary").get<std::string>() + "; there is no landing to export");
   }
   const StoredSite best = BestOf(service, answer);
   const std::string text = ExportSites(format, {best}, options);

@@ -19,13 +19,13 @@ std::vector<std::string> Contradictions(const std::optional<std::string>& given,
                                         const std::optional<std::string>& before,
                                         const std::string& told) {
   if (given && *given != kUnknown && told != kUnknown && told != *given) {
-    return {"altitude_datum is given as " + *given + ", but photographs or poses state " + told +
-            ": the given one is used"};
+    return {"the datum of the altitudes is given as " + *given +
+            ", but photographs or poses state " + told + ": the given one is used"};
   }
   if (!given && before && *before != told) {
     return {
-        "the altitudes of the frames have different datums, or some have no known datum: "
-        "altitude_datum is unknown"};
+        "the altitudes of the frames have different datums, or some have no known datum: the datum "
+        "of the flight is unknown"};
   }
   return {};
 }

@@ -42,14 +42,14 @@ DescentPoint Between(const DescentPoint& a, const DescentPoint& b, double ratio)
           a.time_s + ratio * (b.time_s - a.time_s)};
 }
 
-// The lowered path to the start of the final, straight between neighbours.
+// The lowered path to the circle or to the start of the final, straight between neighbours.
 std::vector<Eigen::Vector3d> Lowered(const Descent& descent, const Lowering& lowering) {
   std::vector<Eigen::Vector3d> path;
   const auto add = [&](const DescentPoint& point) {
     path.push_back(point.position_in_world);
     path.back().z() = std::max(lowering.HeightOf(point), lowering.least_height_m);
   };
-  for (size_t i = 0; i <= descent.arrival; ++i) {
+  for (size_t i = 0; i <= descent.joining; ++i) {
     const DescentPoint& point = descent.points[i];
     const double above = lowering.HeightOf(point) - lowering.least_height_m;
     const double above_before =
@@ -128,7 +128,7 @@ double ShortfallM(const Descent& longer, double lowering_per_s, double start_hei
 
 // The end of a longer path, with less than the whole clearance, over ground that is all seen.
 bool IsEndSeen(const Descent& descent, double full_clearance_height, const KeptTerrain& terrain) {
-  for (size_t i = descent.arrival; i > 0; --i) {
+  for (size_t i = descent.joining; i > 0; --i) {
     const DescentPoint& begin = descent.points[i - 1];
     const DescentPoint& end = descent.points[i];
     if (end.position_in_world.z() >= full_clearance_height) return true;
@@ -143,19 +143,15 @@ bool IsEndSeen(const Descent& descent, double full_clearance_height, const KeptT
 
 }  // namespace
 
-std::optional<TerrainMargin> ShortestTerrainMargin(const StoredSites& stored,
-                                                   const EmergencyRequest& request,
-                                                   const DescentTask& task,
-                                                   const std::optional<Descent>& shortest) {
-  const auto path = LoweredShortest(task, shortest, request.terrain_clearance_m);
-  return TerrainMarginOf(stored, request, GeoPath(path, task));
-}
-
-PathObstacles ShortestPathObstacles(const StoredSites& stored,
-                                    const EmergencyRequest& request,
-                                    const DescentTask& task,
-                                    const std::optional<Descent>& shortest) {
-  return ObstaclesOn(LoweredShortest(task, shortest, 0.0), stored, request, task);
+ToldPath ShortestPath(const StoredSites& stored,
+                      const EmergencyRequest& request,
+                      const DescentTask& task) {
+  ToldPath told;
+  told.descent = PlanDescent(task.start, *task.plan->approach, task.aircraft, {});
+  const auto path = LoweredShortest(task, told.descent, request.terrain_clearance_m);
+  told.terrain = TerrainMarginOf(stored, request, GeoPath(path, task));
+  told.obstacles = ObstaclesOn(LoweredShortest(task, told.descent, 0.0), stored, request, task);
+  return told;
 }
 
 ToldPath PathToTell(const StoredSites& stored,
@@ -163,10 +159,10 @@ ToldPath PathToTell(const StoredSites& stored,
                     const RecallCandidate& candidate,
                     const DescentTask& task,
                     const ToldPath& shortest) {
-  if (shortest.descent.surplus_height_m <= GlideOptions{}.max_surplus_m) return shortest;
+  if (shortest.SurplusM() <= GlideOptions{}.max_surplus_m) return shortest;
   const Approach& approach = *task.plan->approach;
   const double start_height = approach.approach_start_in_world.z();
-  const double lowering_per_s = LoweringPerSecond(shortest.descent, task.worst);
+  const double lowering_per_s = LoweringPerSecond(*shortest.descent, task.worst);
   const auto terrain = TerrainBelow(stored, *candidate.row);
   if (!terrain) return shortest;
   ToldPath told = shortest;
@@ -187,7 +183,7 @@ ToldPath PathToTell(const StoredSites& stored,
   };
   auto longer = PlanLongerDescent(task.start, approach, task.aircraft, {}, is_safe);
   if (!longer) return shortest;
-  told.descent = *std::move(longer);
+  told.descent = std::move(longer);
   return told;
 }
 
@@ -204,7 +200,8 @@ void TakeTimes(nlohmann::json& coordinates, nlohmann::json& times_s) {
 }
 
 void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json& answer) {
-  const Descent& descent = told.descent;
+  if (!told.descent) return;
+  const Descent& descent = *told.descent;
   nlohmann::json coordinates = nlohmann::json::array();
   for (const DescentPoint& point : descent.points) {
     const GeoPoint place = local_frame.GeoFromWorld(point.position_in_world);
@@ -217,11 +214,6 @@ void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json
       CutAtAntimeridian({{"type", "LineString"}, {"coordinates", std::move(coordinates)}});
   answer["times_s"] = nlohmann::json::array();
   TakeTimes(answer["path"]["coordinates"], answer["times_s"]);
-  if (descent.surplus_height_m > GlideOptions{}.max_surplus_m) {
-    answer["warnings"].push_back(std::to_string(std::lround(descent.surplus_height_m)) +
-                                 " m of surplus height are left at the start of the final, too "
-                                 "little for a circle: lose them on the final");
-  }
   if (told.shortfall_m > GlideOptions{}.max_surplus_m) {
     answer["warnings"].push_back(
         "the path loses all surplus height; the uncertainty of the wind may cost up to " +

@@ -31,28 +31,27 @@ struct DescentTask {
   double subtracted_m = 0.0;
 };
 
-// Least height of the shortest path, or of a straight line if there is none, above stored terrain.
-// The path is lowered in proportion to time, so that it arrives at the height of the worst case. It
-// ends at the start of the final, because the planner has checked the circle and the final.
-std::optional<TerrainMargin> ShortestTerrainMargin(const StoredSites& stored,
-                                                   const EmergencyRequest& request,
-                                                   const DescentTask& task,
-                                                   const std::optional<Descent>& shortest);
-
-// Obstacles along the same path, and the airspaces that this path, the circle or the final enter.
-PathObstacles ShortestPathObstacles(const StoredSites& stored,
-                                    const EmergencyRequest& request,
-                                    const DescentTask& task,
-                                    const std::optional<Descent>& shortest);
-
 struct ToldPath {
-  Descent descent;
+  // Nothing if the final is out of reach, or if no single path was found.
+  std::optional<Descent> descent;
+  // Least height of the path above stored terrain. The path is lowered in proportion to time, so
+  // that it arrives at the height of the worst case. It ends at the start of the final, because the
+  // planner has checked the circle and the final.
   std::optional<TerrainMargin> terrain;
+  // Along the same path, and the airspaces that this path, the circle or the final enter.
   PathObstacles obstacles;
   // How far below the start of the final the worst case leads a pilot who flies a longer path to
   // its end, metres.
   double shortfall_m = 0.0;
+
+  // Height that is left at the start of the final.
+  double SurplusM() const { return descent ? descent->surplus_height_m : 0.0; }
 };
+
+// The shortest path. Where there is none, terrain and obstacles are those of a straight line.
+ToldPath ShortestPath(const StoredSites& stored,
+                      const EmergencyRequest& request,
+                      const DescentTask& task);
 
 // The first longer path that is as safe, or `shortest`, which keeps its surplus height. A longer
 // path comes down to the start of the final. So it is checked more strictly:
@@ -71,9 +70,8 @@ ToldPath PathToTell(const StoredSites& stored,
                     const DescentTask& task,
                     const ToldPath& shortest);
 
-// Adds `path` (a LineString with altitudes), `times_s` (one for each vertex), and a warning if
-// surplus height is left at the start of the final or may be missing there. `local_frame` is the
-// approach's.
+// Adds `path` (a LineString with altitudes), `times_s` (one for each vertex), and a warning if the
+// wind may cost height that the path loses. `local_frame` is the approach's.
 void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json& answer);
 
 // Adds `obstacle_margin_m`, `nearest_obstacle` and `airspaces`, and warnings of obstacles with

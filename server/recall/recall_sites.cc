@@ -96,43 +96,34 @@ nlohmann::json AnswerOf(const EmergencyRequest& request,
   return answer;
 }
 
-// A site of the answer, and the datums that it depends on.
-struct ToldSite {
-  nlohmann::json answer;
-  std::set<DatumBasis> datum_bases;
-};
-
-// Planning its path takes longer than choosing the site: sites that are not told need none.
-ToldSite Tell(const StoredSites& stored,
-              const EmergencyRequest& request,
-              const RecallCandidate& candidate,
-              const Reached& reached) {
-  ToldSite told{AnswerOf(request, candidate, reached.task), reached.datum_bases};
-  told.answer["arrival_margin_m"] = reached.margin_m;
-  told.answer["reachable"] = reached.margin_m >= 0.0;
-  std::optional<TerrainMargin> terrain = reached.terrain;
-  PathObstacles obstacles = reached.obstacles;
-  if (reached.shortest) {
-    const ToldPath path = PathToTell(stored,
-                                     request,
-                                     candidate,
-                                     reached.task,
-                                     {*reached.shortest, reached.terrain, reached.obstacles, 0.0});
-    AddPath(path, reached.task.local_frame, told.answer);
-    terrain = path.terrain;
-    obstacles = path.obstacles;
-  }
-  AddObstacles(obstacles, told.answer);
-  if (!reached.shortest && reached.margin_m >= 0.0) {
-    told.answer["warnings"].push_back(
+// Where height is missing, the surplus height of the path in the expected wind says nothing.
+void AddHeights(const Reached& reached, nlohmann::json& answer) {
+  answer["arrival_margin_m"] = reached.margin_m;
+  answer["reachable"] = reached.IsReachable();
+  if (reached.margin_m < 0.0) {
+    answer["missing_m"] = -reached.margin_m;
+  } else if (reached.path.descent) {
+    answer["surplus_height_m"] = reached.path.SurplusM();
+  } else {
+    answer["warnings"].push_back(
         "no path is given: the margin counts on the longest turns, but no single path was found");
   }
-  if (terrain) {
-    told.answer["terrain_margin_m"] = terrain->margin_m;
-    told.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
-    told.datum_bases.insert(terrain->datum.basis);
+  if (reached.IsReachable()) return;
+  answer["reason"] = NameOf(ReasonOf(reached));
+  answer["sentence"] = SentenceOf(reached);
+}
+
+nlohmann::json Tell(const EmergencyRequest& request, const Ranked& ranked) {
+  const Reached& reached = ranked.reached;
+  nlohmann::json answer = AnswerOf(request, *ranked.candidate, reached.task);
+  AddHeights(reached, answer);
+  AddPath(reached.path, reached.task.local_frame, answer);
+  AddObstacles(reached.path.obstacles, answer);
+  if (const auto& terrain = reached.path.terrain) {
+    answer["terrain_margin_m"] = terrain->margin_m;
+    answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
   }
-  return told;
+  return answer;
 }
 
 std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
@@ -142,8 +133,7 @@ std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
   if (bases.contains(DatumBasis::kUnknown) || (is_unknown && !request.flight_id)) {
     warnings.emplace_back(
         "the datum of the altitude, or of stored sites or maps, is unknown: the height of the "
-        "geoid "
-        "is subtracted there (datum_penalty_m, terrain_datum_penalty_m)");
+        "geoid is subtracted there");
   }
   if (bases.contains(DatumBasis::kNoGeoid)) {
     warnings.push_back(
@@ -154,9 +144,60 @@ std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
   return warnings;
 }
 
-std::vector<std::string> WarningsOf(const EmergencyRequest& request,
-                                    const std::set<DatumBasis>& bases) {
-  std::vector<std::string> warnings = DatumWarnings(request, bases);
+// "1 stored site nearby has", "3 stored sites nearby have"
+std::string StoredSitesHave(int64_t count, const char* which) {
+  return std::to_string(count) + which + (count == 1 ? " stored site" : " stored sites") +
+         " nearby " + (count == 1 ? "has" : "have");
+}
+
+// What an answer consists of; its sentences are made of nothing else.
+struct Found {
+  const EmergencyRequest& request;
+  const Search& search;
+  size_t num_sites = 0;
+  // Of sites nearby that a map refutes which is later, or may be.
+  int64_t num_overruled = 0;
+
+  bool IsNothing() const { return num_sites == 0 && !search.nearest_miss; }
+};
+
+std::vector<std::string> LeftOut(const Found& found) {
+  std::vector<std::string> left_out;
+  const char* const which = found.IsNothing() ? "" : " other";
+  if (const auto count = static_cast<int64_t>(found.search.num_without_approach); count > 0) {
+    left_out.push_back(StoredSitesHave(count, which) +
+                       " no approach in this wind that clears terrain and obstacles");
+  }
+  if (found.num_overruled > 0) {
+    left_out.push_back(StoredSitesHave(found.num_overruled, which) +
+                       " an approach that fails on a map that is later, or may be");
+  }
+  if (found.search.is_cut_short) {
+    left_out.emplace_back("not every stored site in reach was evaluated");
+  }
+  return left_out;
+}
+
+std::string SummaryOf(const Found& found) {
+  if (found.num_sites > 0) {
+    return found.num_sites == 1 ? "1 site is in reach"
+                                : std::to_string(found.num_sites) + " sites are in reach";
+  }
+  std::string summary = "no site is in reach";
+  if (found.search.nearest_miss) {
+    return summary + ": at the closest miss " + SentenceOf(found.search.nearest_miss->reached);
+  }
+  const std::vector<std::string> left_out = LeftOut(found);
+  if (left_out.empty()) return summary + ": no usable site is stored nearby";
+  for (const std::string& reason : left_out) {
+    summary += (&reason == &left_out.front() ? ": " : "; ") + reason;
+  }
+  return summary;
+}
+
+std::vector<std::string> WarningsOf(const Found& found) {
+  const EmergencyRequest& request = found.request;
+  std::vector<std::string> warnings = DatumWarnings(request, found.search.datum_bases);
   if (request.wind_warning) warnings.push_back(*request.wind_warning);
   if (!request.wind_in_world) {
     warnings.push_back(
@@ -164,8 +205,10 @@ std::vector<std::string> WarningsOf(const EmergencyRequest& request,
         "approaches are planned for an unknown wind");
   }
   if (!request.heading_deg) warnings.push_back("no heading is given: the worst turn is assumed");
-  warnings.push_back(
-      "terrain on the way is known only where stored maps cover it (terrain_margin_m)");
+  warnings.push_back("terrain on the way is known only where stored maps cover it");
+  // The summary has them where there is nothing else.
+  if (found.IsNothing()) return warnings;
+  for (std::string& each : LeftOut(found)) warnings.push_back(std::move(each));
   return warnings;
 }
 
@@ -176,34 +219,19 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
   GlidingFleet fleet;
   Search search = SearchSites(stored, request, kTimeBudget, fleet);
   nlohmann::json answer{{"sites", nlohmann::json::array()}};
-  const auto tell = [&](const Ranked& ranked) {
-    ToldSite told = Tell(stored, request, *ranked.candidate, ranked.reached);
-    search.datum_bases.merge(told.datum_bases);
-    return std::move(told.answer);
-  };
   for (const size_t index : DifferentPlaces(search, request.limit)) {
-    answer["sites"].push_back(tell(search.reachable[index]));
+    answer["sites"].push_back(Tell(request, search.reachable[index]));
     answer["sites"].back()["rank"] = answer["sites"].size();
   }
-  if (search.reachable.empty() && search.nearest_miss) {
-    answer["nearest_miss"] = tell(*search.nearest_miss);
-    answer["nearest_miss"]["missing_m"] = -search.nearest_miss->reached.margin_m;
-  }
-  std::vector<std::string> warnings = WarningsOf(request, search.datum_bases);
-  if (search.num_without_approach > 0) {
-    warnings.push_back(std::to_string(search.num_without_approach) +
-                       " nearer stored sites have no approach in this wind that clears terrain "
-                       "and obstacles");
-  }
-  if (const int64_t count =
-          stored.storage.sites.CountOverruled(BoxAround(request.place, search.reach_m))) {
-    warnings.push_back(std::to_string(count) +
-                       " sites nearby are left out: their stored approach fails on a map that is "
-                       "later, or may be");
-  }
-  if (search.is_cut_short) warnings.push_back("not every stored site in reach was evaluated");
-  for (const std::string& notice : stored.storage.Notices()) warnings.push_back(notice);
-  answer["warnings"] = warnings;
+  if (!search.reachable.empty()) search.nearest_miss.reset();
+  if (search.nearest_miss) answer["nearest_miss"] = Tell(request, *search.nearest_miss);
+  const Found found{request,
+                    search,
+                    answer["sites"].size(),
+                    stored.storage.sites.CountOverruled(BoxAround(request.place, search.reach_m))};
+  answer["summary"] = SummaryOf(found);
+  answer["warnings"] = WarningsOf(found);
+  for (const std::string& notice : stored.storage.Notices()) answer["warnings"].push_back(notice);
   return answer;
 }
 

@@ -1,6 +1,7 @@
 #include "server/recall/site_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -52,27 +53,22 @@ std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
                                       request.wind_in_world),
                  .datum_bases = {candidate.datum.basis},
                  .task = {start, plan, aircraft, *glide, local_frame, candidate.datum.subtracted_m},
-                 .shortest = std::nullopt,
-                 .terrain = std::nullopt,
-                 .obstacles = {}};
+                 .path = {}};
 }
 
 // Terrain and obstacles on the shortest path.
-void CheckPath(const StoredSites& stored, const EmergencyRequest& request, Reached& reached) {
-  const DescentTask& task = reached.task;
-  reached.shortest = PlanDescent(task.start, *task.plan->approach, task.aircraft, {});
-  reached.obstacles = ShortestPathObstacles(stored, request, task, reached.shortest);
-  if (const auto& obstacle = reached.obstacles.least) {
+void CheckShortest(const StoredSites& stored, const EmergencyRequest& request, Reached& reached) {
+  reached.path = ShortestPath(stored, request, reached.task);
+  if (const auto& obstacle = reached.path.obstacles.least) {
     reached.margin_m = std::min(reached.margin_m, obstacle->margin_m);
   }
-  reached.terrain = ShortestTerrainMargin(stored, request, task, reached.shortest);
-  if (!reached.terrain) return;
-  reached.margin_m = std::min(reached.margin_m, reached.terrain->margin_m);
-  reached.datum_bases.insert(reached.terrain->datum.basis);
+  if (!reached.path.terrain) return;
+  reached.margin_m = std::min(reached.margin_m, reached.path.terrain->margin_m);
+  reached.datum_bases.insert(reached.path.terrain->datum.basis);
 }
 
 // Airspaces rank a site last. They never hide it.
-bool IsInAirspace(const Ranked& ranked) { return !ranked.reached.obstacles.airspaces.empty(); }
+bool IsInAirspace(const Ranked& ranked) { return !ranked.reached.path.obstacles.airspaces.empty(); }
 
 bool IsBefore(const Ranked& a, const Ranked& b) {
   if (IsInAirspace(a) != IsInAirspace(b)) return IsInAirspace(b);
@@ -82,6 +78,14 @@ bool IsBefore(const Ranked& a, const Ranked& b) {
                   b.reached.margin_m,
                   b.reached.is_landable,
                   *b.candidate);
+}
+
+// Planning a longer way costs more than the shortest one: only sites of the answer need it.
+void LoseSurplus(const StoredSites& stored, const EmergencyRequest& request, Ranked& ranked) {
+  Reached& reached = ranked.reached;
+  if (reached.margin_m < 0.0) return;
+  reached.path = PathToTell(stored, request, *ranked.candidate, reached.task, reached.path);
+  if (reached.path.terrain) reached.datum_bases.insert(reached.path.terrain->datum.basis);
 }
 
 // `ranked` is sorted.
@@ -110,13 +114,21 @@ bool CanChange(const Ranked* last, const RecallCandidate& candidate) {
              candidate, last->reached.margin_m, last->reached.is_landable, *last->candidate);
 }
 
+// Of two sites that are not reachable. Too much height can be lost by other means, too little is
+// missing.
+bool MissesLess(const Reached& a, const Reached& b) {
+  const bool is_a_high = a.margin_m >= 0.0, is_b_high = b.margin_m >= 0.0;
+  if (is_a_high != is_b_high) return is_a_high;
+  return is_a_high ? a.path.SurplusM() < b.path.SurplusM() : a.margin_m > b.margin_m;
+}
+
 void Add(Ranked ranked, Search& search) {
   std::optional<Ranked>& miss = search.nearest_miss;
-  if (ranked.reached.margin_m >= 0.0) {
+  if (ranked.reached.IsReachable()) {
     const auto place =
         std::upper_bound(search.reachable.begin(), search.reachable.end(), ranked, IsBefore);
     search.reachable.insert(place, std::move(ranked));
-  } else if (!miss || ranked.reached.margin_m > miss->reached.margin_m) {
+  } else if (!miss || MissesLess(ranked.reached, miss->reached)) {
     miss = std::move(ranked);
   }
 }
@@ -133,9 +145,12 @@ void Evaluate(const StoredSites& stored,
     return;
   }
   Ranked ranked{&candidate, std::move(*reached)};
-  if (last != nullptr && !IsBefore(ranked, *last)) return;
-  CheckPath(stored, request, ranked.reached);
+  const auto is_too_late = [&] { return last != nullptr && !IsBefore(ranked, *last); };
+  if (is_too_late()) return;
+  CheckShortest(stored, request, ranked.reached);
   search.datum_bases.merge(std::set(ranked.reached.datum_bases));
+  if (is_too_late()) return;
+  LoseSurplus(stored, request, ranked);
   Add(std::move(ranked), search);
 }
 
@@ -183,7 +198,52 @@ Search SearchWithin(const StoredSites& stored,
   return search;
 }
 
+std::string Metres(double length_m) { return std::to_string(std::lround(length_m)) + " m"; }
+
 }  // namespace
+
+bool Reached::IsReachable() const {
+  return margin_m >= 0.0 && path.SurplusM() <= GlideOptions{}.max_surplus_m;
+}
+
+const char* NameOf(MissReason reason) {
+  switch (reason) {
+    case MissReason::kTooLow:
+      return "too_low";
+    case MissReason::kTerrain:
+      return "terrain";
+    case MissReason::kTooHigh:
+      return "too_high";
+    case MissReason::kNoApproach:
+      return "no_approach";
+    case MissReason::kNoSite:
+      return "no_site";
+    case MissReason::kNotEvaluated:
+      break;
+  }
+  return "not_evaluated";
+}
+
+MissReason ReasonOf(const Reached& miss) {
+  if (miss.margin_m >= 0.0) return MissReason::kTooHigh;
+  return miss.margin_in_free_air_m >= 0.0 ? MissReason::kTerrain : MissReason::kTooLow;
+}
+
+MissReason ReasonOf(const Search& search) {
+  if (search.nearest_miss) return ReasonOf(search.nearest_miss->reached);
+  if (search.is_cut_short || search.reach_m == 0.0) return MissReason::kNotEvaluated;
+  return search.num_without_approach > 0 ? MissReason::kNoApproach : MissReason::kNoSite;
+}
+
+std::string SentenceOf(const Reached& miss) {
+  if (ReasonOf(miss) == MissReason::kTooHigh) {
+    return "the aircraft arrives " + Metres(miss.path.SurplusM()) +
+           " too high for the final, and no clear way that loses this height was found";
+  }
+  const bool is_terrain = ReasonOf(miss) == MissReason::kTerrain;
+  return Metres(std::ceil(-miss.margin_m)) + " of height are missing" +
+         (is_terrain ? " above terrain or an obstacle on the way" : "");
+}
 
 Search SearchSites(const StoredSites& stored,
                    const EmergencyRequest& request,

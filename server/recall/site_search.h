@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "server/recall/descent_path.h"
@@ -25,12 +26,27 @@ struct Reached {
   // How the datums of the site and of the terrain below the way were compared.
   std::set<DatumBasis> datum_bases;
   DescentTask task;
-  // Nothing if the final is out of reach.
-  std::optional<Descent> shortest;
-  // Along the shortest path.
-  std::optional<TerrainMargin> terrain;
-  PathObstacles obstacles;
+  // The way there. If height is missing, the shortest one.
+  ToldPath path;
+
+  // Neither is height missing, nor is more left at the start of the final than the final can lose.
+  bool IsReachable() const;
 };
+
+// Why no site is in reach, the least excuse first.
+enum class MissReason {
+  kTooLow,      // the nearest miss is too far for this height
+  kTerrain,     // it would be in reach without the terrain or an obstacle on the way
+  kTooHigh,     // no clear way there loses the surplus height before the final
+  kNoApproach,  // the sites nearby have no approach in this wind, or it is too strong to get there
+  kNoSite,      // no site is stored within any glide
+  kNotEvaluated,  // there was no time to tell
+};
+const char* NameOf(MissReason reason);
+// Of a site that is not reachable.
+MissReason ReasonOf(const Reached& miss);
+// "18 m of height are missing"
+std::string SentenceOf(const Reached& miss);
 
 struct Ranked {
   const RecallCandidate* candidate = nullptr;
@@ -48,7 +64,8 @@ struct Search {
   std::set<DatumBasis> datum_bases;
   // Best first. They point into `candidates`.
   std::vector<Ranked> reachable;
-  // If nothing is reachable: the site with the greatest margin of those that were evaluated.
+  // If nothing is reachable: of those that were evaluated, the site with the least surplus height;
+  // if height is missing everywhere, the site with the greatest margin.
   std::optional<Ranked> nearest_miss;
   size_t num_without_approach = 0;
   bool is_cut_short = false;
@@ -61,6 +78,9 @@ Search SearchSites(const StoredSites& stored,
                    const EmergencyRequest& request,
                    std::chrono::milliseconds time_budget,
                    GlidingFleet& fleet);
+
+// Of a search without a site in reach.
+MissReason ReasonOf(const Search& search);
 
 // Indices in search.reachable of the best `limit` of different places, best first.
 std::vector<size_t> DifferentPlaces(const Search& search, size_t limit);

@@ -247,10 +247,10 @@ test('offers: a part counts only if the API description has it', () => {
   assert.deepEqual([flightMap, flightWhy, landing, nextLook, baseMap], [true, false, false, true, true]);
 });
 
-test('reach: the request has the position and the flight, whose wind has an age, and nothing unknown', () => {
-  const request = requestOf('f-1', { wind: { east_mps: 3, north_mps: 0, age_s: 1500 }, pose: { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', age_s: 1 } }, null);
+test('reach: the request has the position and the flight: the server knows the ages of the rest', () => {
+  const request = requestOf('f-1', { pose: { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', age_s: 1 }, wind: { east_mps: 3, north_mps: 0, age_s: 7200 } }, null);
   assert.deepEqual(JSON.parse(JSON.stringify(request)),
-    { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', glide_ratio: null, flight: 'f-1' });
+    { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, glide_ratio: null, flight: 'f-1' });
 });
 
 test('plan: what the emergency answer calls unverified is not landable in its view', () => {

@@ -67,7 +67,7 @@ async function playObstacles(request, response, path, obstacles) {
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`, and `lost`: frames without a photograph), landing (a collection, or a
 // text: the refusal), route (a function of the request's body; throws a text: the refusal), links (see sample_links.mjs), legs (a function of the query's parameters of
-// next-look; throws {status, code, detail}: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
+// next-look; throws {status, code, detail}: the refusal), alternates (an answer), notices (an array), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
@@ -173,6 +173,14 @@ export async function startStandIn(t, target, {
     }
     if (path === '/v1/events') {
       answer(response, 404, problem(404, 'no events here'));
+      return true;
+    }
+    if (/^\/v1\/flights\/[^/]+\/alternates$/.test(path) && parts.alternates) {
+      answer(response, 200, parts.alternates);
+      return true;
+    }
+    if (path === '/v1/notices' && parts.notices) {
+      answer(response, 200, { notices: parts.notices });
       return true;
     }
     if (path === '/v1/emergency' && emergency !== 'real') {

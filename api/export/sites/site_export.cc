@@ -38,7 +38,7 @@ AltitudeFrame FrameOf(const std::vector<StoredSite>& sites, const ExportOptions&
   for (const StoredSite& site : sites) {
     if (site.altitude_datum == "amsl") continue;
     throw ApiError("AltitudeUnknown",
-                   "the flight's altitude_datum is " + site.altitude_datum +
+                   "the datum of the flight's altitudes is " + site.altitude_datum +
                        ", not amsl: give home_altitude_m, in the flight's datum, for altitudes "
                        "above home",
                    {{"home_altitude_m", "is missing"}});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -23,17 +24,8 @@ struct Outcome {
   std::optional<double> margin_m;
   std::optional<double> failure_probability;
   bool is_covered = false;
-  GapReason reason = GapReason::kNotEvaluated;
+  MissReason reason = MissReason::kNotEvaluated;
 };
-
-GapReason ReasonOf(const Search& search) {
-  if (search.nearest_miss) {
-    const bool is_free = search.nearest_miss->reached.margin_in_free_air_m >= 0.0;
-    return is_free ? GapReason::kTerrain : GapReason::kTooLow;
-  }
-  if (search.is_cut_short || search.reach_m == 0.0) return GapReason::kNotEvaluated;
-  return search.num_without_approach > 0 ? GapReason::kNoApproach : GapReason::kNoSite;
-}
 
 Outcome OutcomeOf(const Search& search, double weight) {
   Outcome outcome;
@@ -73,33 +65,39 @@ void SetRisk(const std::vector<Outcome>& outcomes, InsuredMoment& insured) {
   insured.failure_probability = sum;
 }
 
+// A wind in which nothing is known is worse than any margin.
+double MarginOf(const Outcome& outcome) {
+  return outcome.margin_m.value_or(-std::numeric_limits<double>::infinity());
+}
+
 InsuredMoment Together(const RouteMoment& moment, const std::vector<Outcome>& outcomes) {
   InsuredMoment insured;
   insured.moment = moment;
   insured.is_covered = true;
-  const Outcome* worst = nullptr;
+  const Outcome* lowest = &outcomes.front();
+  const Outcome* worst = &outcomes.front();
   for (const Outcome& outcome : outcomes) {
     if (outcome.is_covered) insured.covered_weight += outcome.weight;
     insured.is_covered = insured.is_covered && outcome.is_covered;
-    // A wind in which nothing is known is worse than any margin.
-    const bool is_worse =
-        worst == nullptr ||
-        (worst->margin_m && (!outcome.margin_m || *outcome.margin_m < *worst->margin_m));
-    if (is_worse) worst = &outcome;
+    if (MarginOf(outcome) < MarginOf(*lowest)) lowest = &outcome;
+    const auto badness = [](const Outcome& of) { return std::pair(of.is_covered, MarginOf(of)); };
+    if (badness(outcome) < badness(*worst)) worst = &outcome;
   }
   SetBestSite(outcomes, insured);
   SetRisk(outcomes, insured);
-  insured.arrival_margin_m = worst->margin_m;
+  insured.arrival_margin_m = lowest->margin_m;
   if (insured.is_covered) return insured;
   insured.reason = worst->reason;
-  if (worst->margin_m) insured.nearest_miss = {*worst->site_id, -*worst->margin_m};
+  if (worst->margin_m) {
+    insured.nearest_miss = {*worst->site_id, std::max(0.0, -*worst->margin_m)};
+  }
   return insured;
 }
 
-constexpr size_t kNumReasons = static_cast<size_t>(GapReason::kNotEvaluated) + 1;
+constexpr size_t kNumReasons = static_cast<size_t>(MissReason::kNotEvaluated) + 1;
 
-GapReason MostFrequent(const std::array<size_t, kNumReasons>& counts) {
-  return static_cast<GapReason>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+MissReason MostFrequent(const std::array<size_t, kNumReasons>& counts) {
+  return static_cast<MissReason>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
 RouteGap GapFrom(const std::vector<InsuredMoment>& moments, size_t first) {
@@ -151,22 +149,6 @@ ApiError RouteError(const std::invalid_argument& error) {
 }
 
 }  // namespace
-
-const char* NameOf(GapReason reason) {
-  switch (reason) {
-    case GapReason::kTooLow:
-      return "too_low";
-    case GapReason::kTerrain:
-      return "terrain";
-    case GapReason::kNoApproach:
-      return "no_approach";
-    case GapReason::kNoSite:
-      return "no_site";
-    case GapReason::kNotEvaluated:
-      break;
-  }
-  return "not_evaluated";
-}
 
 size_t Insurance::NumUncovered() const {
   size_t num = 0;

@@ -14,18 +14,9 @@
 
 namespace freelsd {
 
-// Why no site is in reach, the least excuse first.
-enum class GapReason {
-  kTooLow,      // the nearest miss is too far for this height
-  kTerrain,     // it would be in reach without the terrain or an obstacle on the way
-  kNoApproach,  // the sites nearby have no approach in this wind, or it is too strong to get there
-  kNoSite,      // no site is stored within any glide
-  kNotEvaluated,  // there was no time to tell
-};
-const char* NameOf(GapReason reason);
-
 struct MissedSite {
   std::string site_id;
+  // Height that is missing; 0 if the aircraft is too high.
   double missing_m = 0.0;
 };
 
@@ -43,7 +34,7 @@ struct InsuredMoment {
   // covered, and if each of these plans has a risk.
   std::optional<double> failure_probability;
   // If not covered.
-  GapReason reason = GapReason::kNotEvaluated;
+  MissReason reason = MissReason::kNotEvaluated;
   std::optional<MissedSite> nearest_miss;
 };
 
@@ -52,7 +43,7 @@ struct RouteGap {
   size_t first = 0;
   size_t last = 0;
   // That of most of its moments.
-  GapReason reason = GapReason::kNotEvaluated;
+  MissReason reason = MissReason::kNotEvaluated;
   // Of all moments, the one that misses least.
   std::optional<MissedSite> nearest_miss;
 };

@@ -59,17 +59,20 @@ std::string SentenceOf(const RouteGap& gap) {
   const std::string missing =
       gap.nearest_miss ? std::to_string(std::lround(std::ceil(gap.nearest_miss->missing_m))) : "";
   switch (gap.reason) {
-    case GapReason::kTooLow:
+    case MissReason::kTooLow:
       return "no site is in reach; where least is missing, " + missing + " m are missing to " +
              site;
-    case GapReason::kTerrain:
+    case MissReason::kTerrain:
       return "terrain or an obstacle is on the way to " + site + "; where least is missing, " +
              missing + " m are missing";
-    case GapReason::kNoApproach:
+    case MissReason::kTooHigh:
+      return "the route is too near and too high for " + site +
+             ": no clear way there loses the height before the final";
+    case MissReason::kNoApproach:
       return "the sites nearby have no approach in this wind, or it is too strong to get there";
-    case GapReason::kNoSite:
+    case MissReason::kNoSite:
       return "no site is stored within any glide";
-    case GapReason::kNotEvaluated:
+    case MissReason::kNotEvaluated:
       break;
   }
   return "there was no time to evaluate this part";
@@ -157,7 +160,7 @@ std::vector<std::string> WarningsOf(const RouteRequest& request, const Insurance
   }
   const bool is_cut_short = std::any_of(
       insurance.moments.begin(), insurance.moments.end(), [](const InsuredMoment& insured) {
-        return !insured.is_covered && insured.reason == GapReason::kNotEvaluated;
+        return !insured.is_covered && insured.reason == MissReason::kNotEvaluated;
       });
   if (is_cut_short) warnings.emplace_back("not every second was evaluated");
   warnings.emplace_back("terrain on the way to a site is known only where stored maps cover it");

@@ -27,8 +27,8 @@ TEST_CASE("aircraft: limits that no profile has are named, stricter ones are not
   aircraft.safety_margin_m = 0.0;
   const std::vector<std::string> looser = LimitsLooserThanProfiles(aircraft);
   REQUIRE(looser.size() == 2);
-  CHECK(looser[0] == "max_slope_deg = 60 (profiles: at most 8)");
-  CHECK(looser[1] == "safety_margin_m = 0 (profiles: at least 2)");
+  CHECK(looser[0] == "slope 60 deg (profiles: at most 8 deg)");
+  CHECK(looser[1] == "clearance above obstacles 0 m (profiles: at least 2 m)");
   Aircraft careful;
   careful.max_slope_deg = 2.0;
   careful.ground_roll_m = 200.0;

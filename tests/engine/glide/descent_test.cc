@@ -41,6 +41,10 @@ Approach ApproachAt(const Eigen::Vector2d& touchdown,
   const Eigen::Vector2d start =
       touchdown - approach.approach_distance * DirectionOf(approach.heading);
   approach.approach_start_in_world = {start.x(), start.y(), 3.0 + approach.approach_height};
+  const double side = direction == LoiterDirection::kLeft ? -1.0 : 1.0;
+  const Eigen::Vector2d center =
+      start + approach.loiter_radius * DirectionOf(approach.heading + side * 0.5 * kPi);
+  approach.loiter_center_in_world = {center.x(), center.y(), 3.0 + approach.approach_height};
   return approach;
 }
 
@@ -120,6 +124,15 @@ std::vector<Descent> LongerDescents(const Case& made) {
   return longer;
 }
 
+// From the joining on the path is the circle that the planner has checked.
+void CheckOnCircle(const Descent& descent, const Approach& approach) {
+  for (size_t i = descent.joining; i <= descent.final_start; ++i) {
+    const Eigen::Vector2d from_center =
+        (descent.points[i].position_in_world - approach.loiter_center_in_world).head<2>();
+    CHECK(std::abs(from_center.norm() - approach.loiter_radius) < 0.5);
+  }
+}
+
 struct Surpluses {
   int above_2_m = 0;
   int above_5_m = 0;
@@ -192,6 +205,7 @@ TEST_CASE("descent: begins at the aircraft, passes the start of the final, ends 
 TEST_CASE("descent: a longer way keeps its promises up to the start of the final") {
   std::mt19937 random(7);
   int num_longer = 0;
+  int num_joined = 0;
   for (int i = 0; i < 100; ++i) {
     const Case made = RandomCase(random);
     const auto shortest = PlanDescent(made.start, made.approach, made.aircraft, {});
@@ -200,16 +214,20 @@ TEST_CASE("descent: a longer way keeps its promises up to the start of the final
     for (const Descent& descent : longer) {
       ++num_longer;
       const auto& points = descent.points;
-      CHECK(descent.surplus_height_m <= 0.5);
+      const bool joins_circle = descent.joining < descent.arrival;
+      num_joined += joins_circle;
+      CHECK(descent.surplus_height_m <= (joins_circle ? GlideOptions{}.max_surplus_m : 0.5));
       CHECK(descent.decision <= descent.arrival);
       CHECK(points.front().position_in_world == made.start.position_in_world);
       CHECK(points.back().position_in_world == made.approach.touchdown_in_world);
       CHECK(points[descent.final_start].position_in_world.z() >=
             made.approach.approach_start_in_world.z() - 1e-6);
       CHECK(points[descent.arrival].time_s >= shortest->points[shortest->arrival].time_s - 0.1);
+      if (joins_circle) CheckOnCircle(descent, made.approach);
       CheckFlown(descent, made);
     }
   }
+  CHECK(num_joined > 100);
   CHECK(num_longer > 300);
 }
 
