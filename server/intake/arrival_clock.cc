@@ -26,7 +26,7 @@ constexpr int64_t kMaxJitterUs = int64_t{2} * 1000000;
 constexpr int kMinNumSeconds = 5;
 
 // Nothing if one of the clocks was never set.
-std::optional<int64_t> DelayUs(const Arrival& sample) {
+std::optional<int64_t> DelayUs(const ArrivedSample& sample) {
   if (sample.arrived_at_us < kFirstPlausibleUs || sample.timestamp_us < kFirstPlausibleUs) {
     return std::nullopt;
   }
@@ -53,12 +53,12 @@ struct Chain {
   auto Evidence() const { return std::tuple(num_seconds, num_samples, -std::abs(least_delay_us)); }
 };
 
-std::vector<Chain> ChainsOf(std::vector<Arrival> arrivals) {
-  std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+std::vector<Chain> ChainsOf(std::vector<ArrivedSample> arrivals) {
+  std::sort(arrivals.begin(), arrivals.end(), [](const ArrivedSample& a, const ArrivedSample& b) {
     return a.arrived_at_us < b.arrived_at_us;
   });
   std::vector<Chain> chains;
-  for (const Arrival& sample : arrivals) {
+  for (const ArrivedSample& sample : arrivals) {
     const std::optional<int64_t> delay_us = DelayUs(sample);
     if (!delay_us) continue;
     auto nearest =
@@ -112,10 +112,10 @@ std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us) {
   return std::max(0.0, static_cast<double>(now_us - arrived_at_us) * 1e-6);
 }
 
-FlightClock::FlightClock(std::vector<Arrival> arrivals)
+FlightClock::FlightClock(std::vector<ArrivedSample> arrivals)
     : difference_us_(DifferenceUs(ChainsOf(std::move(arrivals)))) {}
 
-std::optional<double> FlightClock::AgeS(const Arrival& sample, int64_t now_us) const {
+std::optional<double> FlightClock::AgeS(const ArrivedSample& sample, int64_t now_us) const {
   const std::optional<double> since_arrival_s = freelsd::AgeS(sample.arrived_at_us, now_us);
   const std::optional<int64_t> delay_us = DelayUs(sample);
   if (!since_arrival_s || !delay_us || !difference_us_) return since_arrival_s;
@@ -124,7 +124,7 @@ std::optional<double> FlightClock::AgeS(const Arrival& sample, int64_t now_us) c
   return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;
 }
 
-std::optional<double> WindAgeS(const Arrival& wind, std::optional<double> age_s, int64_t now_us) {
+std::optional<double> WindAgeS(const ArrivedSample& wind, std::optional<double> age_s, int64_t now_us) {
   const std::optional<int64_t> delay_us = DelayUs(wind);
   if (!delay_us || *delay_us <= kMaxDelayUs) return age_s;
   return static_cast<double>(now_us - wind.timestamp_us) * 1e-6;

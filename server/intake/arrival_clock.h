@@ -19,7 +19,7 @@ int64_t ArrivalNowUs();
 // stored the row, the server's clock was not set at that time, or it was set back since.
 std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us);
 
-struct Arrival {
+struct ArrivedSample {
   // By the aircraft's clock.
   int64_t timestamp_us = 0;
   int64_t arrived_at_us = 0;
@@ -34,10 +34,10 @@ class FlightClock {
   // follow each other without a jump form a chain, and only a chain that lasts sets the clock. A
   // few times ahead of all others therefore make no other sample old, and a clock that was set
   // during the flight counts once it has been consistent for some seconds.
-  explicit FlightClock(std::vector<Arrival> arrivals);
+  explicit FlightClock(std::vector<ArrivedSample> arrivals);
   // Seconds since the sample was taken, and never less than since it arrived. Nothing: unknown,
   // also for a time that is ahead of the server's clock by more than the clocks differ.
-  std::optional<double> AgeS(const Arrival& sample, int64_t now_us) const;
+  std::optional<double> AgeS(const ArrivedSample& sample, int64_t now_us) const;
 
  private:
   // Arrival minus own time of the samples that arrive soonest. Nothing: the aircraft's clock was
@@ -47,6 +47,6 @@ class FlightClock {
 
 // A wind of another day does not blow now, even if it arrives now: it is as old as its own time
 // says. Otherwise `age_s`.
-std::optional<double> WindAgeS(const Arrival& wind, std::optional<double> age_s, int64_t now_us);
+std::optional<double> WindAgeS(const ArrivedSample& wind, std::optional<double> age_s, int64_t now_us);
 
 }  // namespace freelsd

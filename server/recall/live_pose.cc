@@ -42,10 +42,10 @@ struct FlightSamples {
   FlightClock clock;
 };
 
-Arrival ArrivalOf(const TelemetryRow& row) { return {row.timestamp_us, row.arrived_at_us}; }
+ArrivedSample ArrivalOf(const TelemetryRow& row) { return {row.timestamp_us, row.arrived_at_us}; }
 
 FlightSamples SamplesOf(const Storage& storage, const std::string& flight_id) {
-  std::vector<Arrival> arrivals;
+  std::vector<ArrivedSample> arrivals;
   const auto recent = [&](TelemetryKind kind) {
     auto rows = storage.telemetry.Recent(flight_id, kind, kMaxNumSamples);
     std::transform(rows.begin(), rows.end(), std::back_inserter(arrivals), ArrivalOf);
@@ -130,7 +130,7 @@ std::optional<LiveWind> WindOfFrames(const std::vector<FrameRow>& frames, int64_
   for (const FrameRow& frame : frames) {
     const FrameMeta meta = MetaOf(frame);
     if (!meta.wind_in_world) continue;
-    const Arrival arrival{meta.timestamp_us.value_or(0), frame.arrived_at_us};
+    const ArrivedSample arrival{meta.timestamp_us.value_or(0), frame.arrived_at_us};
     return LiveWind{*meta.wind_in_world,
                     meta.timestamp_us,
                     WindAgeS(arrival, FrameAgeS(frame, meta, now_us), now_us),

@@ -29,25 +29,25 @@ TEST_CASE("arrival clock: an age is told where the time of arrival is known, and
 }
 
 // Own time and time of arrival, in seconds from kNowUs on.
-Arrival At(double own_s, double arrived_s) {
+ArrivedSample At(double own_s, double arrived_s) {
   return {kNowUs + static_cast<int64_t>(own_s * 1e6),
           kNowUs + static_cast<int64_t>(arrived_s * 1e6)};
 }
 
 // One sample a second, each half a second under way, from a clock that is so much behind.
-std::vector<Arrival> Live(int begin_s, int end_s, double behind_s = 0.0) {
-  std::vector<Arrival> arrivals;
+std::vector<ArrivedSample> Live(int begin_s, int end_s, double behind_s = 0.0) {
+  std::vector<ArrivedSample> arrivals;
   for (int s = begin_s; s < end_s; ++s) arrivals.push_back(At(s - 0.5 - behind_s, s));
   return arrivals;
 }
 
-std::vector<Arrival> operator+(std::vector<Arrival> a, const std::vector<Arrival>& b) {
+std::vector<ArrivedSample> operator+(std::vector<ArrivedSample> a, const std::vector<ArrivedSample>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
 
 TEST_CASE("flight clock: what arrives late is old, by its own time") {
-  const Arrival first = At(-200.0, -199.0), late = At(-90.0, 0.0);
+  const ArrivedSample first = At(-200.0, -199.0), late = At(-90.0, 0.0);
   // A constant second is the way there, or a difference of clocks.
   CHECK(FlightClock({first}).AgeS(first, kNowUs) == 199.0);
   const FlightClock clock({first, late});
@@ -58,7 +58,7 @@ TEST_CASE("flight clock: what arrives late is old, by its own time") {
 TEST_CASE("flight clock: a clock that is off by a minute makes no sample old, an hour does") {
   for (const double behind_s : {-3000.0, -60.0, 60.0}) {
     CHECK(FlightClock({At(-behind_s, 0.0)}).AgeS(At(-behind_s, 0.0), kNowUs) == 0.0);
-    const std::vector<Arrival> live = Live(0, 60, behind_s);
+    const std::vector<ArrivedSample> live = Live(0, 60, behind_s);
     CHECK(FlightClock(live).AgeS(live.back(), kNowUs + 60 * kSecondUs) == 1.0);
   }
   // Nothing of this flight ever arrived sooner.
@@ -66,8 +66,8 @@ TEST_CASE("flight clock: a clock that is off by a minute makes no sample old, an
 }
 
 TEST_CASE("flight clock: times of another day, or of a clock that was never set, say nothing") {
-  const Arrival two_days_ago = At(-2.0 * 86400.0, 0.0), never_set{50 * kSecondUs, kNowUs};
-  for (const Arrival& sample : {two_days_ago, never_set}) {
+  const ArrivedSample two_days_ago = At(-2.0 * 86400.0, 0.0), never_set{50 * kSecondUs, kNowUs};
+  for (const ArrivedSample& sample : {two_days_ago, never_set}) {
     CHECK(FlightClock({sample}).AgeS(sample, kNowUs + kSecondUs) == 1.0);
   }
   CHECK_FALSE(FlightClock({}).AgeS({kNowUs, 0}, kNowUs));
@@ -80,8 +80,8 @@ TEST_CASE("one sample ahead: it makes no other one old, and is of unknown age it
   for (const double ahead_s : {100.0, 12.0 * 3600.0, 86390.0}) {
     for (const double behind_s : {0.0, 60.0, -3000.0}) {
       INFO(ahead_s, " s ahead of a clock that is ", behind_s, " s behind");
-      const std::vector<Arrival> live = Live(0, 200, behind_s);
-      const Arrival ahead = At(50.5 + ahead_s - std::min(0.0, behind_s), 50.7);
+      const std::vector<ArrivedSample> live = Live(0, 200, behind_s);
+      const ArrivedSample ahead = At(50.5 + ahead_s - std::min(0.0, behind_s), 50.7);
       for (const bool comes_first : {false, true}) {
         const FlightClock clock(
             comes_first ? std::vector{At(ahead_s - std::min(0.0, behind_s), -0.5)} + live
@@ -95,19 +95,19 @@ TEST_CASE("one sample ahead: it makes no other one old, and is of unknown age it
 
 TEST_CASE(
     "one sample ahead: many that arrive together set no clock either, nor a few at the start") {
-  std::vector<Arrival> burst;
+  std::vector<ArrivedSample> burst;
   for (int i = 0; i < 50; ++i) burst.push_back(At(10.0 + 100.0 + 0.02 * i, 10.2));
-  const std::vector<Arrival> live = Live(0, 30);
+  const std::vector<ArrivedSample> live = Live(0, 30);
   CHECK(FlightClock(live + burst).AgeS(live.back(), kNowUs + 29 * kSecondUs) ==
         doctest::Approx(0.0));
   CHECK_FALSE(FlightClock(live + burst).AgeS(burst.back(), kNowUs + 29 * kSecondUs));
   // All in one upload: what most samples say counts.
-  std::vector<Arrival> upload{At(43200.0, 0.0)};
+  std::vector<ArrivedSample> upload{At(43200.0, 0.0)};
   for (int s = 1; s <= 15; ++s) upload.push_back(At(-s, 0.0));
   CHECK(FlightClock(upload).AgeS(upload[1], kNowUs) == doctest::Approx(0.0));
   CHECK_FALSE(FlightClock(upload).AgeS(upload[0], kNowUs));
   // Two that contradict each other: the one that the server's clock agrees with.
-  const std::vector<Arrival> two{At(100.0, 0.0), At(0.8, 1.0)};
+  const std::vector<ArrivedSample> two{At(100.0, 0.0), At(0.8, 1.0)};
   CHECK(FlightClock(two).AgeS(two[1], kNowUs + kSecondUs) == doctest::Approx(0.0));
   CHECK_FALSE(FlightClock(two).AgeS(two[0], kNowUs + kSecondUs));
 }
@@ -116,7 +116,7 @@ TEST_CASE(
     "one sample ahead: a clock that is set during the flight counts when it has been consistent") {
   // Ahead, which no link can do: after half as many seconds as before.
   const auto ahead = [](int num_s) { return Live(0, 20) + Live(20, 20 + num_s, -100.0); };
-  const auto age_s = [](const std::vector<Arrival>& arrivals) {
+  const auto age_s = [](const std::vector<ArrivedSample>& arrivals) {
     return FlightClock(arrivals).AgeS(arrivals.back(), arrivals.back().arrived_at_us);
   };
   CHECK_FALSE(age_s(ahead(4)));
@@ -128,17 +128,17 @@ TEST_CASE(
 }
 
 TEST_CASE("one sample ahead: where every time is another one, none is younger than its arrival") {
-  std::vector<Arrival> wild;
+  std::vector<ArrivedSample> wild;
   for (int s = 0; s < 20; ++s) wild.push_back(At(s + 500.0 * ((7 * s) % 20), s));
   const FlightClock clock(wild);
-  for (const Arrival& sample : wild) {
+  for (const ArrivedSample& sample : wild) {
     const auto age_s = clock.AgeS(sample, kNowUs + 20 * kSecondUs);
     if (age_s) CHECK(*age_s >= 1e-6 * (kNowUs + 20 * kSecondUs - sample.arrived_at_us) - 1e-6);
   }
 }
 
 TEST_CASE("flight clock: a wind of another day does not blow today") {
-  const Arrival wind = At(-2.0 * 365.0 * 86400.0, 0.0);
+  const ArrivedSample wind = At(-2.0 * 365.0 * 86400.0, 0.0);
   CHECK(WindAgeS(wind, 0.0, kNowUs) == doctest::Approx(2.0 * 365.0 * 86400.0));
   CHECK(WindAgeS(At(-60.0, 0.0), 0.5, kNowUs) == 0.5);
   CHECK(WindAgeS({1000, kNowUs}, 0.5, kNowUs) == 0.5);
