@@ -40,6 +40,7 @@ SiteRow MeadowSite(const std::string& altitude_datum, double north_m) {
   site.feature_json = R"({"type":"Feature","geometry":{"type":"Point","coordinates":[8,47,400]},)"
                       R"("properties":{"id":"f-r1","verdict":"unverified","score":0.5}})";
   site.replan_json = ReplanJson(replan);
+  site.seen_at_us = 1;
   site.recall =
       RecallData{false, 400.0, altitude_datum, 0.5, AircraftJson(replan.flight.aircraft).dump()};
   site.map_box = BoundingBox{7.996, latitude_deg - 0.003, 8.004, latitude_deg + 0.003};

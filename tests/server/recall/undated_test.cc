@@ -1,4 +1,6 @@
 // Photographs without a usable date, and flights whose order is contested.
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include "tests/server/meadow.h"
@@ -42,16 +44,18 @@ struct Field : MeadowServer {
   nlohmann::json Site(const std::string& id) const {
     return GetJson(*client, "/v1/sites/" + id)["properties"];
   }
-  nlohmann::json Recalled() const {
+  nlohmann::json RecalledAt(const std::string& latitude_deg) const {
     return GetJson(*client,
                    "/v1/emergency?limit=50&heading_deg=0&wind_east_mps=0&wind_north_mps=-4&"
-                   "latitude_deg=47.04&longitude_deg=8&altitude_m=1500");
+                   "longitude_deg=8&altitude_m=1500&latitude_deg=" +
+                       latitude_deg)["sites"];
   }
-  std::string OrderOfRecalled() const {
+  // Without the meadow's.
+  std::string OrderOfRecalled(const std::string& latitude_deg = "47.04") const {
     std::string ids;
-    for (const nlohmann::json& site : Recalled()["sites"]) {
-      if (site["flight_id"] == "f" || site["flight_id"] == "meadow") continue;
-      ids += site["site_id"].get<std::string>() + " ";
+    const nlohmann::json sites = RecalledAt(latitude_deg);
+    for (const nlohmann::json& site : sites) {
+      if (site["flight_id"] != "f") ids += site["site_id"].get<std::string>() + " ";
     }
     return ids;
   }
@@ -65,12 +69,8 @@ TEST_CASE("photographs without a usable date refresh nothing, and their own age 
   CHECK(undated["verdict"] == "landable");
   CHECK(undated["age_s"].is_null());
   CHECK(undated["last_seen_at"].is_null());
-  for (const nlohmann::json& site : field.Recalled()["sites"]) {
-    if (site["site_id"] != "undated-r1") continue;
-    CHECK(site["age_s"].is_null());
-    CHECK(site["last_seen_at"].is_null());
-    CHECK(site["score"] == 0.0);
-  }
+  // Of two sites at one place, the better one is recalled.
+  CHECK(field.OrderOfRecalled() == "first-r1 ");
   const auto file = [&field](const std::string& query) {
     return field.client->Get("/v1/sites/undated-r1?home_altitude_m=300&f=" + query)->body;
   };
@@ -91,9 +91,17 @@ TEST_CASE("photographs without a usable date rank behind any dated ones") {
   old.flight_id = "old";
   old.seen_at_us = 1262304000000000;
   old.place = kPlace + 1;
-  Flown undated = Undated(Ground::kFree);
-  const std::string order = Field({old, undated}).OrderOfRecalled();
-  CHECK(order == "old-r1 undated-r1 ");
+  // Both are equally far away.
+  const Field field({old, Undated(Ground::kFree)});
+  CHECK(field.OrderOfRecalled("47.06") == "old-r1 undated-r1 ");
+  const nlohmann::json recalled = field.RecalledAt("47.06");
+  const auto found = std::find_if(recalled.begin(), recalled.end(), [](const auto& site) {
+    return site["site_id"] == "undated-r1";
+  });
+  REQUIRE(found != recalled.end());
+  CHECK((*found)["age_s"].is_null());
+  CHECK((*found)["last_seen_at"].is_null());
+  CHECK((*found)["score"] == 0.0);
 }
 
 TEST_CASE("a building on an undated map counts: neither map replaces the other, the worse holds") {
