@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engine/glide/glide.h"
 #include "engine/glide/height_pyramid.h"
@@ -22,6 +23,10 @@ constexpr double kOverlapCells = 3.0;
 // line of the finer search meets lies within, as its place differs by up to a joined cell.
 constexpr int kMarginCells = 1;
 constexpr int kMarginOfJoined = 2;
+// Cells are joined only where as many are in a row and in a column.
+constexpr int kMinNumJoined = 128;
+// Of ReachLimits::max_work, for each cell and each wind and heading.
+constexpr double kStepsPerCell = 0.03;
 
 // What all fans share.
 struct Search {
@@ -60,18 +65,22 @@ Search SearchOver(const ReachGround& ground,
   return search;
 }
 
-void FillFan(const FanTask& task, const Search& search, NodeMask& mask) {
-  const Fan fan = FanOf(task, search.ground.grid, search.pyramid, search.limits);
-  for (const FanPolygon& polygon : fan) mask.Fill(polygon);
+// In steps: what it takes to trace the lines, and to draw the fan.
+double WorkOf(const Fan& fan, const Grid& grid) {
+  return static_cast<double>(fan.num_steps) +
+         kStepsPerCell * static_cast<double>(grid.num_rows) * grid.num_cols;
 }
 
-// Cells that lie in the fans of all winds and headings, as a whole.
-cv::Mat1b CellsInReach(const GlideStart& start,
-                       const Search& search,
-                       const std::vector<Eigen::Vector2d>& winds,
-                       const std::vector<double>& headings,
-                       const Performance& performance) {
+// Cells that lie in the fans of all winds and headings, as a whole. Nothing if the search foresees
+// too much work.
+std::optional<cv::Mat1b> CellsInReach(const GlideStart& start,
+                                      const Search& search,
+                                      const std::vector<Eigen::Vector2d>& winds,
+                                      const std::vector<double>& headings,
+                                      const Performance& performance) {
   const Grid& grid = search.ground.grid;
+  const auto num_fans = static_cast<double>(winds.size() * headings.size());
+  const bool can_join = std::min(grid.num_rows, grid.num_cols) >= kMinNumJoined;
   NodeMask common(grid.num_rows, grid.num_cols);
   NodeMask mask(grid.num_rows, grid.num_cols);
   bool is_first = true;
@@ -85,9 +94,13 @@ cv::Mat1b CellsInReach(const GlideStart& start,
                          search.max_straight_m,
                          search.overlap_m};
       search.limits.before_fan();
+      const Fan fan = FanOf(task, grid, search.pyramid, search.limits);
+      if (is_first && can_join && num_fans * WorkOf(fan, grid) > search.limits.max_work) {
+        return std::nullopt;
+      }
       NodeMask& filled = is_first ? common : mask;
       if (!is_first) mask.Clear();
-      FillFan(task, search, filled);
+      for (const FanPolygon& polygon : fan.polygons) filled.Fill(polygon);
       if (!is_first) common.Intersect(mask);
       is_first = false;
     }
@@ -162,24 +175,20 @@ Reach ReachOf(const GlideStart& start,
     if (wind.norm() >= performance.Airspeed()) return {};
   }
   const std::vector<double> headings = HeadingsToReckonWith(start, options);
-  const auto num_fans = static_cast<double>(winds.size() * headings.size());
-  ReachGround searched = ground;
-  int cells_per_side = 1;
-  while (num_fans * static_cast<double>(searched.top.total()) > limits.max_work &&
-         searched.top.rows > 1 && searched.top.cols > 1) {
-    searched = Joined(searched);
-    cells_per_side *= 2;
-  }
   GlideStart lower = start;
   lower.position_in_world.z() -=
       TimeBetweenHeadings(start, performance, options) * performance.turning_sink_rate;
-  const Search search =
-      SearchOver(searched, cells_per_side, limits, lower.position_in_world.z(), performance);
-  const cv::Mat1b cells = CellsInReach(lower, search, winds, headings, performance);
-  Reach reach =
-      OutlinesOf(cells & searched.is_known, cells & ~searched.is_known, searched.grid, limits);
-  reach.cells_per_side = cells_per_side;
-  return reach;
+  ReachGround searched = ground;
+  for (int cells_per_side = 1;; cells_per_side *= 2, searched = Joined(searched)) {
+    const Search search =
+        SearchOver(searched, cells_per_side, limits, lower.position_in_world.z(), performance);
+    const auto cells = CellsInReach(lower, search, winds, headings, performance);
+    if (!cells) continue;
+    const cv::Mat1b known = *cells & searched.is_known, unknown = *cells & ~searched.is_known;
+    Reach reach = OutlinesOf(known, unknown, searched.grid, limits);
+    reach.cells_per_side = cells_per_side;
+    return reach;
+  }
 }
 
 double GreatestGlideDistance(const GlideStart& start,
