@@ -158,8 +158,8 @@ struct AnswerLimits {
   // Of the polygons of one answer of reach, and stored maps that it reads.
   size_t max_num_reach_vertices = 4000;
   size_t max_num_reach_maps = 200;
-  // Cells times winds and headings of one answer of reach: about a second (0045). Beyond, the cells
-  // are larger.
+  // Steps of one answer of reach (ReachLimits::max_work): about a second (0046). Beyond them, its
+  // cells are larger.
   double max_reach_work = 60e6;
   // Sites that a flight's list of alternates may have.
   size_t max_num_alternates = 20;

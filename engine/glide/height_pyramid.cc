@@ -62,6 +62,7 @@ ClearWay HeightPyramid::ClearWayAlong(const SlopingLine& line,
   ClearWay way;
   int level = kNumLevels - 1;
   while (way.length < line.length) {
+    ++way.num_steps;
     const Eigen::Vector2d place = line.begin + way.length * line.step_per_metre;
     const bool is_inside = place.x() >= 0.0 && place.y() >= 0.0 && place.x() < levels_[0].cols &&
                            place.y() < levels_[0].rows;

@@ -25,6 +25,8 @@ struct ClearWay {
   double length = 0.0;
   // Stretches before that, where it does not keep the wanted height: begin and end.
   std::vector<std::pair<double, double>> low;
+  // Blocks that were looked at.
+  int num_steps = 0;
 };
 
 // Highest ground in blocks of cells of several sizes. A sector is checked by its middle line alone,

@@ -35,10 +35,11 @@ struct ReachLimits {
   double arrival_height_m = 0.0;
   // Of all polygons together. The areas are made coarser, and never larger, until this holds.
   int max_num_vertices = 4000;
-  // Cells of the ground times winds and headings. The search joins four cells to one until this
-  // holds. It depends on the request alone, so that the same request gets the same answer.
+  // Steps of the search along its lines, foreseen from those of its first wind and heading. The
+  // search joins four cells to one until this holds. No clock counts: the same input, the same
+  // cells.
   double max_work = std::numeric_limits<double>::infinity();
-  // Called before each wind and heading; to give up, it throws.
+  // Called before the search of each wind and heading; to give up, it throws.
   std::function<void()> before_fan = [] {};
 };
 

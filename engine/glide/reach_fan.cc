@@ -113,10 +113,12 @@ FanPolygon Between(const Sector& sector, double begin, double end) {
 void AddParts(const Sector& sector, Fan& fan) {
   double begin = 0.0;
   for (const auto& [low_begin, low_end] : sector.clear.low) {
-    if (low_begin > begin) fan.push_back(Between(sector, begin, low_begin));
+    if (low_begin > begin) fan.polygons.push_back(Between(sector, begin, low_begin));
     begin = low_end;
   }
-  if (sector.clear.length > begin) fan.push_back(Between(sector, begin, sector.clear.length));
+  if (sector.clear.length > begin) {
+    fan.polygons.push_back(Between(sector, begin, sector.clear.length));
+  }
 }
 
 // One polygon for neighbouring sectors: along their ends, and back along the turn. Its winding
@@ -141,6 +143,7 @@ class FanBuilder {
   explicit FanBuilder(size_t max_num_in_strip) : max_num_in_strip_(max_num_in_strip) {}
 
   void Add(Sector sector) {
+    fan_.num_steps += sector.clear.num_steps;
     if (!sector.clear.low.empty()) {
       Flush();
       AddParts(sector, fan_);
@@ -150,7 +153,7 @@ class FanBuilder {
     if (strip_.size() >= max_num_in_strip_) Flush();
   }
   void Flush() {
-    if (!strip_.empty()) fan_.push_back(Strip(strip_));
+    if (!strip_.empty()) fan_.polygons.push_back(Strip(strip_));
     strip_.clear();
   }
   const Fan& fan() const { return fan_; }

@@ -2,6 +2,7 @@
 // one heading.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "engine/glide/height_pyramid.h"
@@ -28,8 +29,12 @@ struct FanTask {
   double overlap_m = 0.0;
 };
 
-// Parts of sectors: the ground that is reached. They overlap.
-using Fan = std::vector<FanPolygon>;
+struct Fan {
+  // Parts of sectors: the ground that is reached. They overlap.
+  std::vector<FanPolygon> polygons;
+  // Of all lines.
+  int64_t num_steps = 0;
+};
 
 // Lines whose turn is longer than half a circle end where turning the other way is shorter. Near
 // the aircraft they do not: the circle beside it can be reached by no other turn.

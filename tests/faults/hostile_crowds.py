@@ -18,7 +18,9 @@ import harness
 from harness import Server, check, percentile
 from recalls import RECALL, store_flight, timed
 
-WIDE = "/v1/reach?latitude_deg=47.351&longitude_deg=8.455&altitude_m=1500&altitude_datum=amsl"
+# Neither wind nor heading, and an arrival so high that each line takes many steps.
+WIDE = "/v1/reach?latitude_deg=47.351&longitude_deg=8.455&altitude_m=1500&altitude_datum=amsl" \
+    "&arrival_height_m=400"
 PERIOD_S = 0.02
 # Of the crowd's process: what its clients do meanwhile is only what the kernel holds for them.
 TURN_S = 0.25

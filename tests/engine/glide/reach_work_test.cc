@@ -37,7 +37,8 @@ ReachGround Ragged(std::mt19937& random) {
     const int length = 1 + static_cast<int>(9 * unit(random));
     const int row = static_cast<int>((kNumCells - 50) * unit(random));
     const int col = static_cast<int>((kNumCells - 50) * unit(random));
-    ground.top(cv::Rect(col, row, width, length)) += static_cast<float>(20.0 + 130.0 * unit(random));
+    ground.top(cv::Rect(col, row, width, length)) +=
+        static_cast<float>(20.0 + 130.0 * unit(random));
     ground.is_known(cv::Rect(row, col, length, width)) = 0;
   }
   return ground;
@@ -89,14 +90,14 @@ Reach Searched(const GlideStart& start, const ReachGround& ground, double max_wo
 }
 
 // Places of the coarse areas that the fine ones lack.
-int NumBeyond(const std::vector<ReachArea>& coarse, const std::vector<std::vector<ReachArea>>& fine) {
+int NumBeyond(const std::vector<ReachArea>& coarse,
+              const std::vector<std::vector<ReachArea>>& fine) {
   int num_beyond = 0;
   for (const ReachArea& area : coarse) {
     for (const Eigen::Vector2d& place : PlacesAlong(area)) {
       if (!IsInside(coarse, place)) continue;
-      num_beyond += std::none_of(fine.begin(), fine.end(), [&](const auto& areas) {
-        return IsInside(areas, place);
-      });
+      num_beyond += std::none_of(
+          fine.begin(), fine.end(), [&](const auto& areas) { return IsInside(areas, place); });
     }
   }
   return num_beyond;
@@ -104,7 +105,9 @@ int NumBeyond(const std::vector<ReachArea>& coarse, const std::vector<std::vecto
 
 TEST_CASE("reach: larger cells never show ground that the fine ones refuse") {
   constexpr double kLeastShare = 0.5;
-  for (unsigned seed = 1; seed <= 8; ++seed) {
+  // Three winds, three winds with 16 headings, nine winds.
+  constexpr double kNumFans[] = {3, 3, 48, 9};
+  for (unsigned seed = 1; seed <= 24; ++seed) {
     CAPTURE(seed);
     std::mt19937 random(seed);
     const ReachGround ground = Ragged(random);
@@ -112,11 +115,9 @@ TEST_CASE("reach: larger cells never show ground that the fine ones refuse") {
     const Reach fine = Searched(start, ground, std::numeric_limits<double>::infinity());
     CHECK(fine.cells_per_side == 1);
     REQUIRE_FALSE(fine.known.empty());
-    for (const double share : {0.5, 0.2, 0.05}) {
-      CAPTURE(share);
-      // At most all winds with all headings, at least one of each.
-      const double max_work = share * kNumCells * kNumCells * (seed % 4 < 2 ? 3.0 : 1.0);
-      const Reach coarse = Searched(start, ground, max_work);
+    for (const double steps_of_fan : {5e4, 2e4, 5e3}) {
+      CAPTURE(steps_of_fan);
+      const Reach coarse = Searched(start, ground, kNumFans[seed % 4] * steps_of_fan);
       CHECK(coarse.cells_per_side > 1);
       CHECK(NumBeyond(coarse.known, {fine.known}) == 0);
       CHECK(NumBeyond(coarse.unknown, {fine.known, fine.unknown}) == 0);
@@ -132,7 +133,7 @@ TEST_CASE("reach: a search within its budget is the same to the last bit") {
   const ReachGround ground = Ragged(random);
   const GlideStart start = Somewhere(random, true, true);
   const Reach unlimited = Searched(start, ground, std::numeric_limits<double>::infinity());
-  const Reach limited = Searched(start, ground, 1e3 * kNumCells * kNumCells);
+  const Reach limited = Searched(start, ground, 1e12);
   REQUIRE(limited.known.size() == unlimited.known.size());
   for (size_t i = 0; i < limited.known.size(); ++i) {
     CHECK(limited.known[i].outer == unlimited.known[i].outer);

@@ -199,19 +199,21 @@ TEST_CASE("reach: obstacles beyond the stored maps hide what lies behind them, a
   CHECK(IsIn(after, "unknown_terrain", in_airspace));
 }
 
+// Neither wind nor heading, and ground everywhere that is too high to arrive at: most work.
+constexpr char kWide[] = "&altitude_datum=amsl&arrival_height_m=300";
+
 // Number of answers with this status, by the server's own count.
 int NumAnswered(const MeadowServer& meadow, int status) {
   const std::string metrics = meadow.client->Get("/metrics")->body;
-  const std::string key = R"(method="GET",route="/v1/reach",status=")" + std::to_string(status) +
-                          "\"} ";
+  const std::string key =
+      R"(method="GET",route="/v1/reach",status=")" + std::to_string(status) + "\"} ";
   const size_t at = metrics.find(key);
   return at == std::string::npos ? 0 : std::stoi(metrics.substr(at + key.size()));
 }
 
 TEST_CASE("reach: a wide one is said to be coarser, and one in a known wind is not") {
   const MeadowServer meadow(StoreAmslMeadow);
-  const nlohmann::json wide =
-      GetJson(*meadow.client, ReachQuery(1200.0, "&altitude_datum=amsl"));
+  const nlohmann::json wide = GetJson(*meadow.client, ReachQuery(1200.0, kWide));
   const nlohmann::json narrow = GetJson(*meadow.client, ReachQuery(1200.0));
   CHECK(wide["cell_size_m"].get<double>() > narrow["cell_size_m"].get<double>());
   CHECK(wide["warnings"].dump().find("larger cells") != std::string::npos);
@@ -219,12 +221,13 @@ TEST_CASE("reach: a wide one is said to be coarser, and one in a known wind is n
   CHECK(IsIn(wide, "reach", {0.0, 0.0}));
 }
 
-TEST_CASE("reach: 40 wide ones: one is computed, four wait, the others are refused, /healthz answers") {
+TEST_CASE(
+    "reach: 40 wide ones: one is computed, four wait, the others are refused, /healthz answers") {
   constexpr int kNumGreedy = 40;
   constexpr int kNumTaken = 5;
   const MeadowServer meadow(StoreAmslMeadow);
-  const std::string wide = "GET " + ReachQuery(1200.0, "&altitude_datum=amsl") +
-                           " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const std::string wide =
+      "GET " + ReachQuery(1200.0, kWide) + " HTTP/1.1\r\nHost: localhost\r\n\r\n";
   std::vector<std::unique_ptr<RawConnection>> greedy;
   for (int i = 0; i < kNumGreedy; ++i) {
     greedy.push_back(std::make_unique<RawConnection>(meadow.server->port()));
