@@ -119,7 +119,8 @@ void AnswerFlight(const Service& service,
 // Of a request that changes nothing else.
 std::string NameIn(const std::string& body) {
   const FlightRequest request = ParseFlightRequest(body);
-  for (const auto& [key, value] : nlohmann::json::parse(body).items()) {
+  const nlohmann::json object = nlohmann::json::parse(body);
+  for (const auto& [key, value] : object.items()) {
     if (key == "name") continue;
     throw ApiError(
         "InvalidValue", key + ": only the name can be changed", {{"/" + key, "cannot be changed"}});

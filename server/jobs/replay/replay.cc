@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "server/intake/intake.h"
-#include "server/intake/stored_images.h"
 #include "server/jobs/evaluation.h"
 #include "server/jobs/job_json.h"
 
