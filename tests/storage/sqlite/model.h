@@ -60,15 +60,19 @@ inline Model Stored(const Storage& storage) {
   return model;
 }
 
+constexpr size_t kToldBytes = 8;
+
 inline std::string ToldOf(const Model& model) {
   std::string told;
-  for (const auto& [id, text] : model.obstacles) told += " " + id + "=" + text;
+  for (const auto& [id, text] : model.obstacles)
+    told += " " + id + "=" + text.substr(0, kToldBytes);
   for (const auto& [id, text] : model.sites) {
-    told += " " + id + "=" + text + (model.superseded.contains(id) ? "!" : "");
+    told +=
+        " " + id + "=" + text.substr(0, kToldBytes) + (model.superseded.contains(id) ? "!" : "");
   }
-  for (const auto& [id, tile] : model.maps) told += " " + id + "=" + tile.substr(0, 8);
+  for (const auto& [id, tile] : model.maps) told += " " + id + "=" + tile.substr(0, kToldBytes);
   for (const std::string& id : model.flights) told += " " + id;
-  for (const auto& [id, text] : model.frames) told += " " + id + "=" + text;
+  for (const auto& [id, text] : model.frames) told += " " + id + "=" + text.substr(0, kToldBytes);
   return told;
 }
 

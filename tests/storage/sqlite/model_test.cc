@@ -114,7 +114,10 @@ class Machine {
     const std::string id = SomeId("o");
     Try(
         "delete obstacle " + id,
-        [&] { CHECK(storage_->obstacles.Delete(id) == model_.obstacles.contains(id)); },
+        [&] {
+          const bool was_there = storage_->obstacles.Delete(id);
+          CHECK(was_there == model_.obstacles.contains(id));
+        },
         [&] { model_.obstacles.erase(id); });
   }
 
@@ -146,7 +149,10 @@ class Machine {
     const std::string id = SomeId("s");
     Try(
         "delete site " + id,
-        [&] { CHECK(storage_->sites.Delete(id) == model_.sites.contains(id)); },
+        [&] {
+          const bool was_there = storage_->sites.Delete(id);
+          CHECK(was_there == model_.sites.contains(id));
+        },
         [&] { Forget(id); });
   }
 
@@ -212,7 +218,10 @@ class Machine {
     const bool forget_sites = Below(2) == 0, is_there = model_.flights.contains(id);
     Try(
         "delete flight " + id,
-        [&] { CHECK(storage_->flights.Delete(id, forget_sites) == is_there); },
+        [&] {
+          const bool was_there = storage_->flights.Delete(id, forget_sites);
+          CHECK(was_there == is_there);
+        },
         [&] {
           ForgetFlight(id);
           if (!forget_sites || !is_there) return;
