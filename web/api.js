@@ -194,6 +194,8 @@ const postJson = async (path, object, signal) => (await call(path, {
 // wind: what the confirmed approach is planned for, or null.
 export const landAt = (link, site_id, wind) => postJson(paths.link(link, 'mission'), wind ? { site_id, wind } : { site_id });
 export const declareEngineFailure = (link) => postJson(paths.link(link, 'engine-failure'), {});
+export const getNotices = async () => (await getJson('/v1/notices')).notices;
+export const acknowledgeNotice = (id) => postJson(`/v1/notices/${part(id)}/acknowledge`, {});
 export const releaseLink = (link) => postJson(paths.link(link, 'release'), {});
 export const createFlight = (request) => postJson('/v1/flights', request);
 export const checkRoute = (request, signal) => postJson(paths.routeCheck, request, signal);

@@ -76,7 +76,7 @@ export function sampleEmergencies(flown, from) {
     made('photographs without a date', {
       answer: { sites: [site(1, { age_s: null, last_seen_at: null })] }, reads: [/Photographed date unknown/] }),
     made('damaged store', {
-      notices: [{ id: 'n-1', at: '2026-03-01T10:00:00Z', text: damage }],
+      notices: [{ id: 'n-1', raised_at: '2026-03-01T10:00:00Z', acknowledged_at: null, text: damage }],
       answer: { summary: 'no site in reach: no usable site is stored nearby', warnings: [damage] },
       reads: [/both databases were damaged/i, /No site in reach: no usable site is stored nearby/] }),
   ];

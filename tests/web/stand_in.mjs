@@ -24,7 +24,7 @@ async function bodyOf(request) {
 }
 
 // The API description with and without the optional parts.
-function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs, links }) {
+function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs, links, notices }) {
   const set = (path, part) => {
     if (part === null) delete contract.paths[path];
     else if (part !== undefined) contract.paths[path] ??= { get: {} };
@@ -32,6 +32,7 @@ function described(contract, { reach, obstacles, newLook, map, baseMap, landing,
   set('/v1/reach', reach);
   set('/v1/obstacles', obstacles);
   set('/v1/links', links);
+  set('/v1/notices', notices);
   for (const name of ['map', 'why']) set(`/v1/flights/{flight}/${name}`, map);
   set('/v1/flights/{flight}/landing', landing);
   set('/v1/base-map', baseMap);
