@@ -265,7 +265,7 @@ class Emergency {
     const { signal } = this.#running;
     await this.#follow(signal);
     if (signal.aborted) return;
-    const request = requestOfForm(this.#flight);
+    const request = requestOfForm(this.#flight, this.#entered);
     if (request.latitude_deg === null || request.longitude_deg === null) {
       say('Enter your position.', 'bad');
       return;

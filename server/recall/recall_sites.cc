@@ -127,7 +127,7 @@ std::vector<std::string> LeftOut(const Found& found) {
   }
   if (found.num_overruled > 0) {
     left_out.push_back(StoredSitesHave(found.num_overruled, which) +
-                       " an approach that fails on a later map");
+                       " an approach that fails on a map that is later, or may be");
   }
   if (found.search.is_cut_short) {
     left_out.emplace_back("not every stored site in reach was evaluated");
