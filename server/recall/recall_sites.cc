@@ -137,10 +137,10 @@ std::vector<std::string> LeftOut(const Found& found) {
 
 std::string SummaryOf(const Found& found) {
   if (found.num_sites > 0) {
-    return found.num_sites == 1 ? "1 site is in reach"
-                                : std::to_string(found.num_sites) + " sites are in reach";
+    return found.num_sites == 1 ? "1 site in reach"
+                                : std::to_string(found.num_sites) + " sites in reach";
   }
-  std::string summary = "no site is in reach";
+  std::string summary = "no site in reach";
   if (found.search.nearest_miss) {
     return summary + ": at the closest miss " + SentenceOf(found.search.nearest_miss->reached);
   }
