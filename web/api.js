@@ -129,7 +129,6 @@ export const getNewLook = (limit) => getJson(paths.newLook(limit));
 // path: of paths.nextLook.
 export const getNextLook = (path, signal) => getJson(path, { signal });
 export const getLinks = async () => (await getJson(paths.links)).links;
-export const listNotices = async () => (await getJson(paths.notices)).notices;
 export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
@@ -198,6 +197,7 @@ const postJson = async (path, object, signal) => (await call(path, {
 // wind: what the confirmed approach is planned for, or null.
 export const landAt = (link, site_id, wind) => postJson(paths.link(link, 'mission'), wind ? { site_id, wind } : { site_id });
 export const declareEngineFailure = (link) => postJson(paths.link(link, 'engine-failure'), {});
+export const getNotices = async () => (await getJson(paths.notices)).notices;
 export const releaseLink = (link) => postJson(paths.link(link, 'release'), {});
 export const acknowledgeNotice = (id) => postJson(`${paths.notices}/${part(id)}/acknowledge`, {});
 export const createFlight = (request) => postJson('/v1/flights', request);

@@ -7,6 +7,7 @@ import { emergencyCard } from './emergency_card.js';
 import { ageText, headline, isOldPosition, isWindKnown, isWindOld, sentence, sourceText } from './emergency_text.js';
 import { createEmergencyMap } from './emergency_map.js';
 import { nearestSites } from './nearest.js';
+import { createNotices } from './notices.js';
 import { isLive } from './reach.js';
 import { groundAge_s, isKnown, windFrom, windTo } from './units.js';
 import { stripOfAnswer } from './watch_shape.js';
@@ -121,6 +122,7 @@ class Emergency {
   #entered = new Set(); // names of the fields that the user entered
   #wind = null; // of the answer shown
   #pose = null; // of the followed flight
+  #notices = createNotices();
   #map = createEmergencyMap();
   #dialog = byId('emergency');
   #timer = 0;
@@ -164,6 +166,7 @@ class Emergency {
     if (!this.#isOwn) setPosition(this.#on.center(), 'Position: centre of the map. Enter yours.', true);
     this.#dialog.showModal();
     this.#map.open();
+    this.#notices.look();
     this.#ask();
   }
 
@@ -238,7 +241,7 @@ class Emergency {
       emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), strip: this.#on.stripOf(site.site_id) ?? stripOfAnswer(site),
         wind: this.#wind, onShow: () => this.#show(site) })));
     byId('em-cards').querySelectorAll('button')[focused]?.focus();
-    byId('em-warnings').replaceChildren(...warnings.map((warning) => el('li', {}, sentence(warning))));
+    byId('em-warnings').replaceChildren(...this.#notices.without(warnings).map((warning) => el('li', {}, sentence(warning))));
     this.#map.show({ from, sites: cards });
     this.#on.drawBearings(from, shown);
   }
@@ -262,7 +265,7 @@ class Emergency {
     const { signal } = this.#running;
     await this.#follow(signal);
     if (signal.aborted) return;
-    const request = requestOfForm(this.#flight);
+    const request = requestOfForm(this.#flight, this.#entered);
     if (request.latitude_deg === null || request.longitude_deg === null) {
       say('Enter your position.', 'bad');
       return;

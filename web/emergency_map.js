@@ -45,8 +45,8 @@ class EmergencyMap {
     if (!from) return;
     this.#bearings.draw(from, sites);
     this.#sites.clearLayers();
-    sites.forEach(({ touchdown: { latitude_deg, longitude_deg }, verdict }, i) => this.#sites.addLayer(discMarker(
-      [latitude_deg, longitude_deg], `verdict-${verdict}`, siteLetter(i), { interactive: false, keyboard: false, zIndexOffset: 1000 - i })));
+    sites.forEach(({ touchdown: { latitude_deg, longitude_deg }, verdict, reachable }, i) => this.#sites.addLayer(discMarker(
+      [latitude_deg, longitude_deg], `verdict-${reachable === false ? 'rejected' : verdict}`, siteLetter(i), { interactive: false, keyboard: false, zIndexOffset: 1000 - i })));
     this.#fit([from, ...sites.map(({ touchdown }) => touchdown)]);
     this.#source.look(boxOf(this.#map));
   }

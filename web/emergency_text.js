@@ -29,9 +29,9 @@ export const sourceText = ({ pose, wind, isWindEntered }, flightName) =>
   (isKnown(pose.heading_deg) ? 'Heading from its track.' : 'Heading unknown.');
 
 // pose: whose answer this is, null for a position that the user entered.
-export function headline({ sites, summary }, pose) {
+export function headline({ sites, nearest_miss: miss, summary }, pose) {
   const from = isOldPosition(pose) ? `For the position ${isKnown(pose.age_s) ? `of ${age(pose.age_s)} ago` : 'of an unknown time'}: ` : '';
-  const text = sites.length > 0 ? 'In reach, best first' : sentence(summary ?? 'no site in reach').slice(0, -1);
+  const text = sites.length > 0 ? 'In reach, best first' : miss ? 'No site in reach. Closest miss:' : sentence(summary).slice(0, -1);
   return { text: from ? from + text[0].toLowerCase() + text.slice(1) : text, isBad: Boolean(from) || sites.length === 0 };
 }
 

@@ -57,7 +57,7 @@ export function guidanceText({ guidance }, nameOf) {
 }
 
 const gapReasons = {
-  too_low: 'too low', terrain: 'terrain or a known obstacle is in the way', no_approach: 'no safe approach in this wind',
+  too_low: 'too low', too_high: 'too high to lose the height in time', terrain: 'terrain or a known obstacle is in the way', no_approach: 'no safe approach in this wind',
   no_site: 'no site is stored near', not_evaluated: 'not evaluated',
 };
 const kOldCheck_s = 90;

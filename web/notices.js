@@ -1,40 +1,44 @@
-// What the operator must know, above all damage of the databases: below the header until it is acknowledged.
+// What the operator must know of the stores, until somebody has acknowledged it: below the header, and above an emergency's sites.
 
 import * as api from './api.js';
-import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
+import { sentence } from './emergency_text.js';
+import { offers } from './offers.js';
 
 const kPeriod_ms = 30000;
-let drawn = '';
 
-async function acknowledge(id) {
-  try {
-    await api.acknowledgeNotice(id);
-  } catch (error) {
-    notify(`The notice is not acknowledged: ${error.message}`);
+class Notices {
+  #open = [];
+  #timer = 0;
+
+  constructor() { this.look(); }
+
+  async look() {
+    clearTimeout(this.#timer);
+    try {
+      const notices = (await offers()).notices ? await api.getNotices() : [];
+      this.#open = notices.filter(({ acknowledged_at }) => !acknowledged_at);
+      this.#draw();
+    } catch {
+      // The page says elsewhere that the server cannot be reached.
+    }
+    this.#timer = setTimeout(() => this.look(), kPeriod_ms);
   }
-  await look();
+
+  // An answer's warnings repeat the notices, which stand above.
+  without(warnings) { return warnings.filter((warning) => !this.#open.some(({ text }) => text === warning)); }
+
+  #draw() {
+    byId('notices').replaceChildren(...this.#open.map((notice) => el('div', { class: 'strip-notice' },
+      el('p', {}, `! ${sentence(notice.text)}`),
+      el('button', { type: 'button', onclick: () => this.#acknowledge(notice.id) }, 'Acknowledge'))));
+    byId('em-notices').replaceChildren(...this.#open.map(({ text }) => el('p', {}, `! ${sentence(text)}`)));
+  }
+
+  async #acknowledge(id) {
+    await api.acknowledgeNotice(id).catch((error) => notify(`Not acknowledged: ${error.message}`));
+    await this.look();
+  }
 }
 
-function noticeBox({ id, text, raised_at }) {
-  return el('article', { class: 'strip-notice', 'data-notice': id },
-    el('b', { class: 'strip-sign', 'aria-hidden': 'true' }, '!'),
-    el('p', {}, el('strong', {}, `Storage, ${new Date(raised_at).toLocaleString()}:`), ` ${text}.`),
-    el('div', { class: 'strip-buttons' },
-      el('button', { type: 'button', onclick: () => acknowledge(id) }, 'Acknowledge'),
-      curlButton('the notices', () => curlOf(api.paths.notices))));
-}
-
-async function look() {
-  // Without a token, or without the server, another part of the page says so.
-  const notices = await api.listNotices().catch(() => null);
-  if (!notices) return;
-  const open = notices.filter(({ acknowledged_at }) => !acknowledged_at);
-  const now = JSON.stringify(open);
-  if (now === drawn) return;
-  drawn = now;
-  byId('notices').replaceChildren(...open.map(noticeBox));
-}
-
-look();
-setInterval(look, kPeriod_ms);
+export const createNotices = () => new Notices();

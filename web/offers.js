@@ -17,6 +17,7 @@ export function offersOf({ paths = {} }) {
     reach: '/v1/reach' in paths,
     reachLimit: hasParameter(paths['/v1/reach']?.get, 'limit'),
     links: '/v1/links' in paths,
+    notices: '/v1/notices' in paths,
     obstacles: '/v1/obstacles' in paths,
     routeCheck: '/v1/routes/check' in paths,
     newLook: hasParameter(paths['/v1/sites']?.get, 'order'),

@@ -91,7 +91,7 @@ export const coveredText = ({ covered_ratio }) => `${Math.floor(100 * covered_ra
 export const uncovered_s = ({ gaps }) => gaps.reduce((sum, { from_s, to_s }) => sum + to_s - from_s, 0);
 
 const reasons = {
-  too_low: 'too low', terrain: 'terrain or an obstacle is in the way', no_approach: 'no approach in this wind',
+  too_low: 'too low', too_high: 'too near and too high', terrain: 'terrain or an obstacle is in the way', no_approach: 'no approach in this wind',
   no_site: 'no site is stored within any glide', not_evaluated: 'not evaluated',
 };
 

@@ -126,24 +126,6 @@ nlohmann::json Tell(const EmergencyRequest& request, const Ranked& ranked) {
   return answer;
 }
 
-std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
-                                       const std::set<DatumBasis>& bases) {
-  std::vector<std::string> warnings;
-  const bool is_unknown = request.altitude_datum.value_or("unknown") == "unknown";
-  if (bases.contains(DatumBasis::kUnknown) || (is_unknown && !request.flight_id)) {
-    warnings.emplace_back(
-        "the datum of the altitude, or of stored sites or maps, is unknown: the height of the "
-        "geoid is subtracted there");
-  }
-  if (bases.contains(DatumBasis::kNoGeoid)) {
-    warnings.push_back(
-        "the height of the geoid is unknown, because PROJ has no grid egm96_15.gtx: " +
-        std::to_string(std::lround(GlideOptions{}.datum_penalty_m)) +
-        " m are subtracted where datums differ or are unknown");
-  }
-  return warnings;
-}
-
 // "1 stored site nearby has", "3 stored sites nearby have"
 std::string StoredSitesHave(int64_t count, const char* which) {
   return std::to_string(count) + which + (count == 1 ? " stored site" : " stored sites") +
@@ -180,10 +162,10 @@ std::vector<std::string> LeftOut(const Found& found) {
 
 std::string SummaryOf(const Found& found) {
   if (found.num_sites > 0) {
-    return found.num_sites == 1 ? "1 site is in reach"
-                                : std::to_string(found.num_sites) + " sites are in reach";
+    return found.num_sites == 1 ? "1 site in reach"
+                                : std::to_string(found.num_sites) + " sites in reach";
   }
-  std::string summary = "no site is in reach";
+  std::string summary = "no site in reach";
   if (found.search.nearest_miss) {
     return summary + ": at the closest miss " + SentenceOf(found.search.nearest_miss->reached);
   }
@@ -195,9 +177,38 @@ std::string SummaryOf(const Found& found) {
   return summary;
 }
 
+// What the unknown datums cost at most, over all candidates.
+std::string DatumCost(const Search& search) {
+  double most_m = 0.0;
+  for (const RecallCandidate& candidate : search.candidates) {
+    if (candidate.datum.basis != DatumBasis::kUnknown) continue;
+    most_m = std::max(most_m, candidate.datum.subtracted_m);
+  }
+  if (most_m == 0.0) return "the height of the geoid is subtracted there";
+  return "up to " + std::to_string(std::lround(most_m)) +
+         " m, the height of the geoid, are subtracted there";
+}
+
+std::vector<std::string> DatumWarnings(const Found& found) {
+  const std::set<DatumBasis>& bases = found.search.datum_bases;
+  std::vector<std::string> warnings;
+  const bool is_unknown = found.request.altitude_datum.value_or("unknown") == "unknown";
+  if (bases.contains(DatumBasis::kUnknown) || (is_unknown && !found.request.flight_id)) {
+    warnings.push_back("the datum of the altitude, or of stored sites or maps, is unknown: " +
+                       DatumCost(found.search));
+  }
+  if (bases.contains(DatumBasis::kNoGeoid)) {
+    warnings.push_back(
+        "the height of the geoid is unknown, because PROJ has no grid egm96_15.gtx: " +
+        std::to_string(std::lround(GlideOptions{}.datum_penalty_m)) +
+        " m are subtracted where datums differ or are unknown");
+  }
+  return warnings;
+}
+
 std::vector<std::string> WarningsOf(const Found& found) {
   const EmergencyRequest& request = found.request;
-  std::vector<std::string> warnings = DatumWarnings(request, found.search.datum_bases);
+  std::vector<std::string> warnings = DatumWarnings(found);
   if (request.wind_warning) warnings.push_back(*request.wind_warning);
   if (!request.wind_in_world) {
     warnings.push_back(

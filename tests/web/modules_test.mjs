@@ -240,9 +240,9 @@ test('obstacles: the pointer of a problem names the field of the form', () => {
 });
 
 test('offers: a part counts only if the API description has it', () => {
-  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { flightMap: false, flightWhy: false, landing: false, nextLook: false, baseMap: false, reach: false, reachLimit: false, links: false, obstacles: false, routeCheck: false, newLook: false });
+  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { flightMap: false, flightWhy: false, landing: false, nextLook: false, baseMap: false, reach: false, reachLimit: false, links: false, notices: false, obstacles: false, routeCheck: false, newLook: false });
   assert.deepEqual(offersOf({ paths: { '/v1/reach': { get: { parameters: [{ name: 'limit' }] } }, '/v1/obstacles': {}, '/v1/routes/check': {}, '/v1/sites': { get: { parameters: [{ $ref: '#/components/parameters/order' }] } } } }),
-    { flightMap: false, flightWhy: false, landing: false, nextLook: false, baseMap: false, reach: true, reachLimit: true, links: false, obstacles: true, routeCheck: true, newLook: true });
+    { flightMap: false, flightWhy: false, landing: false, nextLook: false, baseMap: false, reach: true, reachLimit: true, links: false, notices: false, obstacles: true, routeCheck: true, newLook: true });
   const { flightMap, flightWhy, landing, nextLook, baseMap } = offersOf({ paths: { '/v1/flights/{flight}/map': {}, '/v1/flights/{flight}/next-look': {}, '/v1/flights/{flight}/map/{layer}.tif': {}, '/v1/base-map': {} } });
   assert.deepEqual([flightMap, flightWhy, landing, nextLook, baseMap], [true, false, false, true, true]);
 });

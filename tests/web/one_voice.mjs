@@ -67,6 +67,8 @@ function readView() {
     drawn: [...new Set(labels.map(kindOf))].sort(),
     legend: [...dialog.querySelectorAll('.key-arrival')].map(kindOf).sort(),
     legendText: text(document.getElementById('em-key')),
+    outside: [...dialog.querySelectorAll('.em-card *')]
+      .filter((node) => node.getBoundingClientRect().right > node.closest('.em-card').getBoundingClientRect().right + 1).map(text),
     tooWide_px: dialog.scrollWidth - dialog.clientWidth,
   };
 }
@@ -85,6 +87,7 @@ export async function readAloud(page) {
   }
   if (/[+−]\d/.test(view.legendText)) faults.push(`the legend states a number of no site: ${view.legendText}`);
   if (view.legend.join() !== view.drawn.join()) faults.push(`the legend has ${view.legend}, the map ${view.drawn}`);
+  if (view.outside.length > 0) faults.push(`beyond its card: ${view.outside}`);
   if (view.tooWide_px > 0) faults.push(`${view.tooWide_px} px too wide`);
   return { view, faults };
 }

@@ -27,9 +27,12 @@ export function sampleEmergencies(flown, from) {
   const unverified = (number, more) => site(number, { verdict: 'unverified', ground_speed_mps: undefined, ...more });
   const taken = (more = {}) => ({ flight_id: flown.flight, altitude_datum: 'amsl', heading_deg: 40, wind, ...more });
   const pose = { longitude_deg: from[0], latitude_deg: from[1], altitude_m: 640, altitude_datum: 'amsl', age_s: 0.4, heading_deg: 40 };
+  let number = 0;
+  // A position of its own: the page asks for its reach anew.
+  const placed = (at) => ({ ...at, longitude_deg: at.longitude_deg + 1e-6 * ++number });
   const made = (name, { alternates = {}, answer, ...more }) => ({
     name, ...more,
-    alternates: { flight_id: flown.flight, sites: [], warnings: [], pose, wind, ...alternates },
+    alternates: { flight_id: flown.flight, sites: [], warnings: [], wind, ...alternates, pose: placed(alternates.pose ?? pose) },
     answer: { summary: `${answer.sites?.length ?? 0} sites in reach`, taken_from_flight: taken(), ...answer,
       sites: answer.sites ?? [], warnings: [...(answer.warnings ?? []), kTerrain] },
   });
@@ -51,7 +54,7 @@ export function sampleEmergencies(flown, from) {
       answer: { taken_from_flight: taken({ wind: { ...wind, age_s: 5 * hour_s, counts_as: 'unknown' }, heading_deg: undefined }), sites: [unverified(1), unverified(2)],
         warnings: ['the last wind was measured 5 hours ago: after 3 hours the wind is unknown', 'the wind is unknown: the worst direction of a wind of 5.5 m/s is assumed, and approaches are planned for an unknown wind',
           'no heading is given: the worst turn is assumed'] },
-      reads: [/^.*For the position of 31 min ago: in reach, best first/, /Wind unknown: the last one is 5 h old\./] }),
+      reads: [/For the position of 31 min ago: in reach, best first/, /Wind unknown: the last one is 5 h old\./] }),
     made('unknown datum', {
       alternates: { pose: { ...pose, altitude_datum: 'unknown' } },
       answer: { taken_from_flight: taken({ altitude_datum: 'unknown' }), sites: [site(1, { arrival_margin_m: 21, datum_penalty_m: 53 })],
@@ -76,7 +79,7 @@ export function sampleEmergencies(flown, from) {
     made('photographs without a date', {
       answer: { sites: [site(1, { age_s: null, last_seen_at: null })] }, reads: [/Photographed date unknown/] }),
     made('damaged store', {
-      notices: [{ id: 'n-1', at: '2026-03-01T10:00:00Z', text: damage }],
+      notices: [{ id: 'n-1', raised_at: '2026-03-01T10:00:00Z', acknowledged_at: null, text: damage }],
       answer: { summary: 'no site in reach: no usable site is stored nearby', warnings: [damage] },
       reads: [/both databases were damaged/i, /No site in reach: no usable site is stored nearby/] }),
   ];

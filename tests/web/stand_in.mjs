@@ -24,7 +24,7 @@ async function bodyOf(request) {
 }
 
 // The API description with and without the optional parts.
-function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs, links }) {
+function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs, links, notices }) {
   const set = (path, part) => {
     if (part === null) delete contract.paths[path];
     else if (part !== undefined) contract.paths[path] ??= { get: {} };
@@ -32,6 +32,7 @@ function described(contract, { reach, obstacles, newLook, map, baseMap, landing,
   set('/v1/reach', reach);
   set('/v1/obstacles', obstacles);
   set('/v1/links', links);
+  set('/v1/notices', notices);
   for (const name of ['map', 'why']) set(`/v1/flights/{flight}/${name}`, map);
   set('/v1/flights/{flight}/landing', landing);
   set('/v1/base-map', baseMap);
@@ -64,10 +65,10 @@ async function playObstacles(request, response, path, obstacles) {
   return answer(response, index >= 0 ? 200 : 201, feature, kGeoJson);
 }
 
-// Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
+// Closes after the test t. emergency: the answer of /v1/emergency or a function that gives it, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`, and `lost`: frames without a photograph), landing (a collection, or a
 // text: the refusal), route (a function of the request's body; throws a text: the refusal), links (see sample_links.mjs), legs (a function of the query's parameters of
-// next-look; throws {status, code, detail}: the refusal), alternates (an answer), notices (an array), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
+// next-look; throws {status, code, detail}: the refusal), alternates and notices (functions: an answer, an array), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
@@ -176,16 +177,17 @@ export async function startStandIn(t, target, {
       return true;
     }
     if (/^\/v1\/flights\/[^/]+\/alternates$/.test(path) && parts.alternates) {
-      answer(response, 200, parts.alternates);
+      answer(response, 200, parts.alternates());
       return true;
     }
     if (path === '/v1/notices' && parts.notices) {
-      answer(response, 200, { notices: parts.notices });
+      answer(response, 200, { notices: parts.notices() });
       return true;
     }
     if (path === '/v1/emergency' && emergency !== 'real') {
       state.asked.push(new URL(request.url, target).searchParams);
-      answer(response, emergency ? 200 : 404, emergency ?? problem(404, 'nothing here'));
+      const played = typeof emergency === 'function' ? emergency() : emergency;
+      answer(response, played ? 200 : 404, played ?? problem(404, 'nothing here'));
       return true;
     }
     return playPart(request, response, path);

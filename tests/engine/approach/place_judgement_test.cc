@@ -75,6 +75,21 @@ std::set<std::pair<int, int>> CandidatesOf(const Scene& field,
   return cells;
 }
 
+TEST_CASE("why not here: a height that is known is not called unknown") {
+  const Aircraft aircraft = Nimble();
+  Scene field = MixedField(aircraft);
+  Fill(field, field.map.standard_deviation, Box({-10, -10}, {10, 10}), std::nanf(""));
+  field.hazards = WithLimits(field.map, field.hazards, LimitsOf(aircraft), {});
+  const PlanRequest request = scene::Request(Box({-80, -80}, {80, 80}), kToSouth);
+  const ApproachPlanner planner(field.map, field.hazards, request, aircraft, {});
+  const PlaceJudgement known = planner.Judge({0, 0}, kToSouth, {});
+  REQUIRE(known.height);
+  CHECK(RuleOf(known, "seen").sentence.find("No height of the ground") == std::string::npos);
+  const PlaceJudgement unseen = planner.Judge({17, -65}, kToSouth, {});
+  CHECK_FALSE(unseen.height);
+  CHECK(RuleOf(unseen, "seen").sentence.find("No height of the ground") == 0);
+}
+
 TEST_CASE("why not here: the ground passes exactly where the planner takes a candidate") {
   const Aircraft aircraft = Nimble();
   const Scene field = MixedField(aircraft);
