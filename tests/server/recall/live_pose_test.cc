@@ -2,7 +2,10 @@
 #include "server/recall/live_pose.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -122,13 +125,13 @@ TEST_CASE("one sample ahead: the aircraft is where its good samples say, after e
     FlightInStorage flight;
     for (int s = 0; s < 30; ++s) flight.Fly(s, s);
     flight.FlyAhead(30, ahead_s);
-    // 150 km away, until 200 more have come.
-    for (int s = 30; s < 230; ++s) {
+    // 150 km away.
+    for (int s = 30; s < 60; ++s) {
       if (s > 30) flight.Fly(s, s);
       const LivePose pose = flight.Pose(s);
       CHECK(pose.timestamp_us == kNowUs + s * kSecondUs);
       CHECK(pose.age_s.value() < 0.1);
-      CHECK(pose.heading_deg.value() == doctest::Approx(0.0));
+      CHECK(std::abs(std::remainder(pose.heading_deg.value(), 360.0)) < 1e-6);
     }
   }
 }
@@ -149,7 +152,7 @@ TEST_CASE("one sample ahead: fifteen good winds count, not the one of half a day
   CHECK_FALSE(other.Pose(15).wind->age_s);
 }
 
-// After each arrival: how much older than told the pose is, and how old it is.
+// Of all poses that were told: how much older than told, how old at the end.
 struct PoseErrors {
   double most_understated_s = 0.0, oldest_at_end_s = 0.0;
   bool is_outlier_shown = false;
@@ -157,24 +160,26 @@ struct PoseErrors {
 
 PoseErrors ErrorsWith(ClockFault fault, uint32_t seed) {
   constexpr int kNumSeconds = 240;
+  constexpr size_t kNumTogether = 8;
   FlightInStorage flight;
   PoseErrors errors;
   std::map<int64_t, TimedSample> by_time;
+  std::vector<TelemetryRow> rows;
   for (const TimedSample& sample : SamplesOf(fault, kNumSeconds, kNowUs, seed)) {
-    TelemetryRow row{TelemetryKind::kPosition, sample.timestamp_us, {47.0, 8.0, 400.0, 0.0}};
-    row.arrived_at_us = sample.arrived_at_us;
-    REQUIRE(flight.storage.telemetry.Put("f", {row}));
+    rows.push_back({TelemetryKind::kPosition, sample.timestamp_us, {47.0, 8.0, 400.0, 0.0}});
+    rows.back().arrived_at_us = sample.arrived_at_us;
     by_time[sample.timestamp_us] = sample;
+    if (rows.size() < kNumTogether) continue;
+    REQUIRE(flight.storage.telemetry.Put("f", std::exchange(rows, {})));
     const int64_t now_us = sample.arrived_at_us;
     const LivePose pose = LivePoseOf(flight.storage, "f", now_us).value();
     const TimedSample& shown = by_time.at(pose.timestamp_us.value());
     const double age_s = 1e-6 * static_cast<double>(now_us - shown.taken_at_us);
-    if (pose.age_s)
-      errors.most_understated_s = std::max(errors.most_understated_s, age_s - *pose.age_s);
-    errors.is_outlier_shown |= shown.is_outlier && pose.age_s && by_time.size() > 3;
-    if (now_us > kNowUs + (kNumSeconds - 5) * kSecondUs) {
-      errors.oldest_at_end_s = std::max(errors.oldest_at_end_s, pose.age_s.value_or(1e9));
-    }
+    const double told_s = pose.age_s.value_or(1e9);
+    errors.most_understated_s = std::max(errors.most_understated_s, age_s - told_s);
+    errors.is_outlier_shown |= shown.is_outlier && pose.age_s;
+    const bool is_end = now_us > kNowUs + (kNumSeconds - 20) * kSecondUs;
+    if (is_end) errors.oldest_at_end_s = std::max(errors.oldest_at_end_s, told_s);
   }
   return errors;
 }
@@ -187,7 +192,7 @@ TEST_CASE("one sample ahead: with any bad clock no pose is older than told, and 
                                  ClockFault::kBurst,
                                  ClockFault::kStep,
                                  ClockFault::kOutage}) {
-    for (uint32_t seed = 0; seed < 3; ++seed) {
+    for (uint32_t seed = 0; seed < 2; ++seed) {
       INFO("fault ", static_cast<int>(fault), ", seed ", seed);
       const PoseErrors errors = ErrorsWith(fault, seed);
       CHECK(errors.most_understated_s < 2.1);
