@@ -168,6 +168,22 @@ BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const Bou
   return rows;
 }
 
+void ForgetUnknownTimesOfMaps(const Connection& writer) {
+  std::vector<FlightMapRow> maps;
+  {
+    Statement statement = SelectMaps(writer, "WHERE seen_at_us = updated_at_us");
+    while (statement.Step()) maps.push_back(MapRowOf(statement));
+  }
+  for (FlightMapRow& map : maps) {
+    map.seen_at_us = 0;
+    map.seen_until_us = map.updated_at_us;
+    writer
+        .Prepare("UPDATE maps SET seen_at_us = 0, seen_until_us = ?2, checksum = ?3 WHERE id = ?1")
+        .Bind(map.id, map.updated_at_us, ChecksumOf(map))
+        .Run();
+  }
+}
+
 void MendMapBoxes(const Connection& writer) {
   std::vector<FlightMapRow> wide;
   {

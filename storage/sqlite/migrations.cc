@@ -1,5 +1,7 @@
 #include "storage/sqlite/migrations.h"
 
+#include "storage/sqlite/map_rows.h"
+
 namespace freelsd {
 namespace {
 
@@ -320,6 +322,17 @@ ALTER TABLE sites ADD COLUMN seen_until_us INTEGER;
 ALTER TABLE maps ADD COLUMN seen_until_us INTEGER;
 )sql";
 
+// Up to version 10, an unknown time was stored as that of the evaluation. Those of maps come first.
+constexpr char kUnknownTimesOfSites[] = R"sql(
+UPDATE sites SET checksum = NULL, seen_until_us = updated_at_us, seen_at_us = coalesce(
+  (SELECT seen_at_us FROM maps WHERE maps.id = map_id AND maps.seen_until_us IS NULL), 0)
+WHERE seen_at_us = updated_at_us;
+UPDATE sites SET seen_until_us = NULL WHERE seen_at_us > 0;
+UPDATE site_numbers SET checksum = NULL
+WHERE site_id IN (SELECT id FROM sites WHERE checksum IS NULL);
+UPDATE sites SET is_checked = 0;
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
@@ -332,7 +345,11 @@ void Migrate(const Connection& writer, int64_t version) {
   if (version < 8) writer.Execute(kFrom7To8);
   if (version < 9) writer.Execute(kFrom8To9);
   if (version < 10) writer.Execute(kFrom9To10);
-  if (version < 11) writer.Execute(kFrom10To11);
+  if (version < 11) {
+    writer.Execute(kFrom10To11);
+    ForgetUnknownTimesOfMaps(writer);
+    writer.Execute(kUnknownTimesOfSites);
+  }
 }
 
 }  // namespace freelsd

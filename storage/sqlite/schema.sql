@@ -95,7 +95,7 @@ CREATE TABLE sites (
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
   is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
   map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
-  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, if it is one of maps
+  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map if it is one of maps
   seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
 ) STRICT;
 CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
@@ -146,7 +146,7 @@ CREATE TABLE maps (
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
   seen_at_us INTEGER NOT NULL,               -- when the ground was last photographed, microseconds since 1970; 0: unknown
   is_in_force INTEGER NOT NULL,              -- 0: an unfinished evaluation writes it
-  checksum INTEGER NOT NULL,                 -- of the row, without is_in_force
+  checksum INTEGER NOT NULL,                 -- of the row without is_in_force
   seen_until_us INTEGER                      -- as in sites
 ) STRICT;
 CREATE UNIQUE INDEX maps_by_flight ON maps (flight_id, number);

@@ -93,6 +93,7 @@ test('links: warnings before a landing: the verdict, another wind, no wind, a fa
   assert.match(landingWarnings(p, { ...link, ...sampleFailure('x') }, 60).join(), /engine has failed/);
   const calm = landingWarnings({ ...p, verdict: 'landable' }, { ...link, wind: { east_mps: 2.5, north_mps: 0, age_s: 1 } }, 60);
   assert.equal(calm.length, 1);
+  assert.match(landingWarnings(p, link, NaN).join(), /When the ground was photographed is unknown/);
   assert.match(refusalText({ status: 403, message: 'no' }), /scope command/);
 });
 

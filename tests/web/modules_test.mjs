@@ -14,7 +14,7 @@ import { progressOf, waitText } from '../../web/progress.js';
 import { requestOf } from '../../web/reach.js';
 import { createQueue, isElsewhere, tilePath } from '../../web/tile_queue.js';
 import { lastCourse } from '../../web/track.js';
-import { age, area, courseTo, heading, margin, strip, windFrom, windTo } from '../../web/units.js';
+import { age, area, courseTo, heading, margin, photographed, strip, windFrom, windTo } from '../../web/units.js';
 import { clearUnseen } from '../../web/unseen_hatch.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { headlineOf } from '../../web/why.js';
@@ -42,6 +42,12 @@ test('wind: JSON states where the air moves to, the page where it comes from', (
   const to = windTo(5, 270);
   assert.ok(Math.abs(to.east_mps - 5) < 1e-9 && Math.abs(to.north_mps) < 1e-9);
   assert.equal(windFrom(null), null);
+});
+
+test('photographs without a usable date: the age of their ground is unknown, not zero', () => {
+  assert.equal(photographed({ age_s: null, last_seen_at: null }), 'date unknown');
+  assert.equal(photographed({ age_s: null, last_seen_at: null, new_look: { age_s: null } }), 'date unknown');
+  assert.equal(photographed({ age_s: 86400, last_seen_at: 'x' }), 'photographed 1 d ago');
 });
 
 // Letters by speed, in them by direction: l(andable), u(nverified), r(ejected).

@@ -255,6 +255,7 @@ TEST_CASE("migrations: a database of version 6 gets obstacles in both files and 
   { Storage(folder.path()).sites.Put(SomeSite("f-r3", 50.0, 8.0), "map"); }
   for (const char* const name : {"freelsd.db", "recall.db"}) {
     const std::string sql =
+        "ALTER TABLE sites DROP COLUMN seen_until_us; "
         "DROP TABLE feed; DROP TABLE follow_state; DROP VIEW told_changes; DROP TABLE changes; "
         "DROP TRIGGER site_is_stored; DROP TRIGGER site_is_updated; "
         "DROP TRIGGER site_stands_otherwise; DROP TRIGGER site_is_removed; "
@@ -272,6 +273,44 @@ TEST_CASE("migrations: a database of version 6 gets obstacles in both files and 
   }
   std::filesystem::remove(folder.path() / "freelsd.db");
   CHECK(Storage(folder.path()).obstacles.Find("wire"));
+}
+
+TEST_CASE("migrations: a time that was unknown, and stored as the evaluation's, is unknown again") {
+  const TemporaryFolder folder;
+  const auto put = [&folder](const std::string& flight_id, int64_t photographed_at_us) {
+    Storage storage(folder.path());
+    FlightMapRow map = SomeMap(flight_id + "/1", flight_id, {7.0, 49.0, 9.0, 51.0});
+    map.updated_at_us = 1000;
+    map.seen_at_us = photographed_at_us;
+    storage.maps.Stage(map, {}, {});
+    SiteRow site = SomeSite(flight_id + "-r1", 50.0, 8.0);
+    site.map_id = map.id;
+    site.is_checked = true;
+    // Sites that were found on a map had the evaluation's time.
+    site.updated_at_us = site.seen_at_us = 1001;
+    storage.sites.PutEvaluation({{site}, {}, {map.id}, {}}, {});
+  };
+  put("dated", 500);
+  put("undated", 1000);
+  for (const char* const name : {"freelsd.db", "recall.db"}) {
+    const std::string sql =
+        "ALTER TABLE sites DROP COLUMN seen_until_us; ALTER TABLE maps DROP COLUMN seen_until_us; "
+        "PRAGMA user_version = 10; PRAGMA application_id = " +
+        std::to_string(ApplicationId(10));
+    Execute(folder.path() / name, sql.c_str());
+  }
+  const Storage storage(folder.path());
+  CHECK(storage.Notices().empty());
+  const SiteRow dated = *storage.sites.Find("dated-r1"),
+                undated = *storage.sites.Find("undated-r1");
+  CHECK(dated.seen_at_us == 500);
+  CHECK_FALSE(dated.seen_until_us);
+  CHECK(undated.seen_at_us == 0);
+  CHECK(undated.seen_until_us == 1001);
+  CHECK(storage.maps.Find("dated/1")->seen_at_us == 500);
+  CHECK(storage.maps.Find("undated/1")->seen_at_us == 0);
+  CHECK(storage.maps.Find("undated/1")->seen_until_us == 1000);
+  CHECK_FALSE(dated.is_checked);
 }
 
 }  // namespace

@@ -195,7 +195,8 @@ TEST_CASE("second copy: one of an older program still has the sites when the dat
   const TemporaryFolder folder;
   StoreTwoSites(folder.path());
   Execute(folder.path() / "recall.db",
-          "DROP INDEX site_numbers_by_aircraft; PRAGMA user_version = 9");
+          "DROP INDEX site_numbers_by_aircraft; ALTER TABLE sites DROP COLUMN seen_until_us; "
+          "ALTER TABLE maps DROP COLUMN seen_until_us; PRAGMA user_version = 9");
   LoseMainDatabase(folder);
   CHECK(HasBoth(Storage(folder.path())));
 }
