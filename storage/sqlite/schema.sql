@@ -90,12 +90,12 @@ CREATE TABLE sites (
   superseded_by TEXT,                        -- id of the site on whose later map the stored plan fails, else of the flight
   seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground of its map was last photographed, microseconds since 1970; 0: unknown
   superseded_at_us INTEGER,                  -- when the ground of superseded_by was photographed; NULL: not superseded, or order unknown
-  superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none
+  superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none; if superseded_by is NULL: a doubt
   superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
   is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
   map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
-  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map if it is one of maps
+  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, if it is one of maps; of a doubt also the site whose map it is
   seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
 ) STRICT;
 CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';

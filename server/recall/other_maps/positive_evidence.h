@@ -35,8 +35,9 @@ struct EvidenceOptions {
 };
 
 // What breaks of the plan if its own map is changed only by what the later map positively shows:
-// - heights that differ after both maps were levelled and shifted within their deviations, and
-// - small objects and fences.
+// - heights that differ after both maps were levelled and shifted within their deviations,
+// - small objects and fences, and
+// - what stands in the way where the own map saw nothing.
 // Nothing if the plan holds with these changes.
 std::optional<PlanCheck> BrokenByEvidence(const StoredPlan& plan,
                                           const ShownGround& own,

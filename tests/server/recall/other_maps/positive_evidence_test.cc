@@ -135,6 +135,22 @@ TEST_CASE("evidence: a hedge that the later map shows a little aside has not mov
   CHECK_FALSE(Broken(landed, later));
 }
 
+TEST_CASE(
+    "evidence: what stands in the way where the own map saw nothing blocks it by its height") {
+  Landed landed = LandedOnMeadow();
+  // The own map ends 30 m before the touchdown.
+  const cv::Rect unseen(0, landed.touchdown.y + 30, 600, 570 - landed.touchdown.y);
+  for (cv::Mat1f* const layer : {&landed.ground.map.elevation, &landed.ground.map.upper}) {
+    (*layer)(unseen).setTo(std::nanf(""));
+  }
+  MapRasters later = CopyOf(Meadow());
+  later.site_map.layers.grass.setTo(0.0f);
+  CHECK_FALSE(Broken(landed, later));
+  Raise(later, SquareAt(landed, 0, 50, 10), 12.0f);
+  REQUIRE(Broken(landed, later));
+  CHECK(Broken(landed, later)->reason == RejectReason::kApproachBlocked);
+}
+
 // The views recognised grass nearly everywhere, or had never seen the like.
 MapRasters WithCue(const Landed& landed, const char* name, const cv::Rect& where, int8_t views) {
   MapRasters later = CopyOf(landed.ground);
