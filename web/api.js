@@ -44,8 +44,21 @@ export async function call(path, { method = 'GET', headers = {}, body, signal, c
   return response;
 }
 
+// Others compute for long, and as many as may wait do so: asks again when the server says.
+const maxNumRefused = 5;
+async function callInTurn(path, options) {
+  for (let numRefused = 1; ; ++numRefused) {
+    try {
+      return await call(path, options);
+    } catch (problem) {
+      if (problem.status !== 429 || numRefused > maxNumRefused) throw problem;
+      await new Promise((resolve) => { setTimeout(resolve, 1000 * (problem.retryAfter_s ?? 1)); });
+    }
+  }
+}
+
 const getJson = async (path, options) => withWholeShapes(
-  await (await call(path, { ...options, headers: { Accept: 'application/json, application/geo+json' } })).json());
+  await (await callInTurn(path, { ...options, headers: { Accept: 'application/json, application/geo+json' } })).json());
 
 // --- Paths, also used by the curl buttons ---
 

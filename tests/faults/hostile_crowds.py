@@ -183,7 +183,7 @@ def is_quick(kind, recall_p99_ms, ratio, health_p99_ms):
 
 def run(kind, tools, folder, num_rounds):
     is_short = harness.patience > 1
-    seconds = 2 if is_short else 8
+    seconds = 1 if is_short else 8
     server = Server(tools, folder / "data")
     store_flight(server, folder)
     rounds, num_failed = [], 0

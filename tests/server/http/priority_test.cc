@@ -81,31 +81,24 @@ TEST_CASE("long computations: one computes, some wait in their order, the others
 TEST_CASE("long computations: who leaves while waiting gives up the place") {
   LongQueue queue({1, 1});
   const LongPlace first(queue, kWanted);
-  std::atomic<bool> has_left{false}, is_dropped{false};
-  std::thread waiting([&] {
-    try {
-      const LongPlace place(queue, [&] {
-        if (has_left) throw ApiError("Unavailable", "the client has left");
-      });
-    } catch (const ApiError&) {
-      is_dropped = true;
-    }
-  });
-  Await([&] { return IsRefused(queue); });
-  has_left = true;
-  waiting.join();
-  CHECK(is_dropped);
-  std::atomic<bool> is_waiting{false};
-  std::thread next([&] {
-    CHECK_THROWS_AS(LongPlace(queue,
-                              [&] {
-                                is_waiting = true;
-                                throw ApiError("Unavailable", "the client has left");
-                              }),
-                    ApiError);
-  });
-  next.join();
-  CHECK(is_waiting);
+  for (int i = 0; i < 3; ++i) {
+    std::atomic<bool> is_waiting{false}, has_left{false}, is_dropped{false};
+    std::thread waiting([&] {
+      try {
+        const LongPlace place(queue, [&] {
+          is_waiting = true;
+          if (has_left) throw ApiError("Unavailable", "the client has left");
+        });
+      } catch (const ApiError&) {
+        is_dropped = true;
+      }
+    });
+    Await([&] { return is_waiting.load(); });
+    CHECK(IsRefused(queue));
+    has_left = true;
+    waiting.join();
+    CHECK(is_dropped);
+  }
 }
 
 }  // namespace freelsd
