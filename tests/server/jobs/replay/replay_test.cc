@@ -90,7 +90,7 @@ void DamageImage(httplib::Client& client,
                  const std::filesystem::path& data,
                  const std::string& flight,
                  const std::string& frame_id) {
-  for (const nlohmann::json& frame : FrameList(client, flight)["frames"]) {
+  for (const nlohmann::json& frame : FrameList(client, flight)) {
     if (frame["id"] != frame_id) continue;
     const std::string sha256 = frame["sha256"];
     std::filesystem::resize_file(data / "images" / sha256.substr(0, 2) / sha256, 1000);
@@ -104,7 +104,7 @@ TEST_CASE("replay: one that fails names the photograph") {
   httplib::Client& client = fresh.client;
   const std::string flight = PostSampleFlight(client, 0, 3);
   REQUIRE(AwaitJob(client, Finish(client, flight))["state"] == "done");
-  const std::string frame = FrameList(client, flight)["frames"][1]["id"];
+  const std::string frame = FrameList(client, flight)[1]["id"];
   DamageImage(client, fresh.folder.path() / "data", flight, frame);
   const nlohmann::json failed = AwaitJob(client, Replay(client, flight));
   CHECK(failed["state"] == "failed");
