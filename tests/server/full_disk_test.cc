@@ -89,9 +89,9 @@ TEST_CASE("full disk: an obstacle whose change is refused is as before, also aft
       const auto deleted = client.Delete(path);
       const std::string other = "other-" + std::to_string(i);
       const auto put = client.Put("/v1/obstacles/" + other, mast(other), "application/json");
-      for (const auto* const result : {&deleted, &put}) {
-        if (result->status < 300) continue;
-        CheckProblem(result, 507, "StorageFull");
+      for (const httplib::Result* result : {&deleted, &put}) {
+        if ((*result)->status < 300) continue;
+        CheckProblem(*result, 507, "StorageFull");
         ++num_refused;
       }
       if (deleted->status != 204) accepted.insert(id);

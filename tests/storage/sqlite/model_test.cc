@@ -280,6 +280,7 @@ class Machine {
     files["freelsd.db"] = std::string(5000, '\xa5');
     files.erase("freelsd.db-wal");
     Kill(files);
+    CleanUp();
   }
 
   // They have no second copy.
@@ -313,6 +314,10 @@ class Machine {
     if (is_main && is_copy) model_ = {};
     Open();
     CheckNotice(is_main, is_copy);
+    CleanUp();
+  }
+  // As an operator who has looked at it.
+  void CleanUp() const {
     for (const auto& notice : storage_->ListNotices()) storage_->AcknowledgeNotice(notice.id);
     for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
       if (entry.path().filename().string().starts_with("damaged-")) {
