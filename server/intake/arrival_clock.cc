@@ -124,7 +124,9 @@ std::optional<double> FlightClock::AgeS(const ArrivedSample& sample, int64_t now
   return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;
 }
 
-std::optional<double> WindAgeS(const ArrivedSample& wind, std::optional<double> age_s, int64_t now_us) {
+std::optional<double> WindAgeS(const ArrivedSample& wind,
+                               std::optional<double> age_s,
+                               int64_t now_us) {
   const std::optional<int64_t> delay_us = DelayUs(wind);
   if (!delay_us || *delay_us <= kMaxDelayUs) return age_s;
   return static_cast<double>(now_us - wind.timestamp_us) * 1e-6;

@@ -47,6 +47,8 @@ class FlightClock {
 
 // A wind of another day does not blow now, even if it arrives now: it is as old as its own time
 // says. Otherwise `age_s`.
-std::optional<double> WindAgeS(const ArrivedSample& wind, std::optional<double> age_s, int64_t now_us);
+std::optional<double> WindAgeS(const ArrivedSample& wind,
+                               std::optional<double> age_s,
+                               int64_t now_us);
 
 }  // namespace freelsd

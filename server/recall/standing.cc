@@ -81,10 +81,10 @@ Standing With(Standing standing,
 
 std::string DoubtSentence(const Standing& standing) {
   const bool is_dated = standing.superseded_at_us > 0;
-  const std::string when =
-      is_dated ? ", photographed at " + Rfc3339(standing.superseded_at_us) + ", does not show "
-                 "fit ground any more: "
-               : ", which may be later or earlier, does not show fit ground: ";
+  const std::string when = is_dated ? ", photographed at " + Rfc3339(standing.superseded_at_us) +
+                                          ", does not show "
+                                          "fit ground any more: "
+                                    : ", which may be later or earlier, does not show fit ground: ";
   return "Doubted: the map of " + standing.JudgeId() + when + standing.superseded_detail + ".";
 }
 

@@ -225,7 +225,8 @@ TEST_CASE("http: DELETE on a path that only reads is 405 and says what it takes"
   CheckProblem(fresh.client.Delete("/v1/info"), 405, "MethodNotAllowed");
 }
 
-TEST_CASE("http: what another site's page makes the browser ask is refused, but a link to the page") {
+TEST_CASE(
+    "http: what another site's page makes the browser ask is refused, but a link to the page") {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "index.html") << "the page";
   FreshServer fresh([&folder](Config& config) { config.page = folder.path(); });
@@ -246,7 +247,8 @@ TEST_CASE("http: what another site's page makes the browser ask is refused, but 
     CHECK(status_of(kReach, site, "document") == 200);
     CHECK(status_of("/", site, "document") == 200);
   }
-  CheckProblem(fresh.client.Get(kReach, {{"Sec-Fetch-Site", "cross-site"}}), 403, "ForbiddenOrigin");
+  CheckProblem(
+      fresh.client.Get(kReach, {{"Sec-Fetch-Site", "cross-site"}}), 403, "ForbiddenOrigin");
 }
 
 TEST_CASE("http: malformed requests are problems too, and end the connection") {

@@ -156,7 +156,8 @@ TEST_CASE("listener: clients that do not read their answers hold no threads") {
   }
 }
 
-TEST_CASE("listener: 1100 connections that pipeline and read slowly keep no recall from its answer") {
+TEST_CASE(
+    "listener: 1100 connections that pipeline and read slowly keep no recall from its answer") {
   constexpr int kNumGreedy = 1100;
   constexpr int kNumRequests = 50;
   RaiseDescriptorLimit();

@@ -41,7 +41,8 @@ std::vector<ArrivedSample> Live(int begin_s, int end_s, double behind_s = 0.0) {
   return arrivals;
 }
 
-std::vector<ArrivedSample> operator+(std::vector<ArrivedSample> a, const std::vector<ArrivedSample>& b) {
+std::vector<ArrivedSample> operator+(std::vector<ArrivedSample> a,
+                                     const std::vector<ArrivedSample>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
