@@ -69,7 +69,8 @@ struct WatchedService {
   Intake intake{config, storage, events};
   Alternates alternates{storage, maps, events, 3};
   BaseMap base_map{config};
-  Service service{intake, maps, alternates, base_map};
+  LongQueues long_queues;
+  Service service{intake, maps, alternates, base_map, long_queues};
   StripWatching watching{service};
   int num_images = 0;
 
