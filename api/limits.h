@@ -158,7 +158,7 @@ struct AnswerLimits {
   // Of the polygons of one answer of reach, and stored maps that it reads.
   size_t max_num_reach_vertices = 4000;
   size_t max_num_reach_maps = 200;
-  // Steps of one answer of reach (ReachLimits::max_work): about a second (0046). Beyond them, its
+  // Steps of one answer of reach (ReachLimits::max_work): about a second (0047). Beyond them, its
   // cells are larger.
   double max_reach_work = 60e6;
   // Sites that a flight's list of alternates may have.
