@@ -12,7 +12,6 @@
 #include "server/jobs/evaluation.h"
 #include "server/jobs/failure.h"
 #include "server/jobs/job_json.h"
-#include "server/jobs/staged_maps.h"
 
 namespace freelsd {
 namespace {
@@ -256,8 +255,7 @@ void Worker::WatchStrips(FlightSession& session, const FrameRow& frame) {
   Service& service = ServiceOf(frame.flight_id);
   const std::optional<View> view = session.FindView(frame.id);
   const std::optional<FlightRow> flight = service.storage.flights.Find(frame.flight_id);
-  const CaptureTime time =
-      CaptureTimeOf(frame, ParseStoredPose(frame.resolved_json, frame.meta_json, frame.tags_json));
+  const CaptureTime time = CaptureTimeOf(frame, ParseStoredFrameMeta(frame.resolved_json));
   if (!view || !flight || !time.IsDated()) return;
   const PlacedPhoto photo{frame.flight_id,
                           frame.id,

@@ -215,9 +215,7 @@ std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std:
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
       "confirmed_at_us, map_id, seen_until_us, is_recallable, west_deg, south_deg, east_deg, "
-      "north_deg "
-      "FROM site_numbers "
-      "JOIN sites ON sites.id = site_id "
+      "north_deg FROM site_numbers JOIN sites ON sites.id = site_id "
       "JOIN site_boxes USING (number) WHERE site_id = ?1");
   if (!recall.Bind(site_id).Step()) return site;
   const RecallData data = RecallRowOf(recall).data;
@@ -358,9 +356,7 @@ void CheckSiteRows(const Connection& connection) {
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
       "confirmed_at_us, map_id, seen_until_us, site_boxes.number FROM sites LEFT JOIN "
-      "site_numbers ON site_id = "
-      "sites.id "
-      "LEFT JOIN site_boxes USING (number)");
+      "site_numbers ON site_id = sites.id LEFT JOIN site_boxes USING (number)");
   while (recall.Step()) {
     if (!recall.OptionalInt(15)) {
       throw StorageError("read a site", "it has no bounding box", StorageFault::kDamaged);

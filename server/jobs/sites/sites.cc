@@ -58,6 +58,13 @@ std::string NameWithin(const Site& site) {
   return "-e" + std::to_string(site.square->east) + "n" + std::to_string(site.square->north);
 }
 
+// If nothing was reconstructed, the last photograph of the region counts.
+CaptureTime WhenSeen(const Site& site, const AdjustedBlock& block, const CaptureTimes& times) {
+  const auto last = times.find(site.region.last_seen_frame_id);
+  if (block.views.empty() && last != times.end()) return last->second;
+  return SeenAt(block, times, site.plan.touchdown_in_world);
+}
+
 NewSite SiteOf(const Site& site,
                const Evaluation& evaluation,
                const SiteOrigin& origin,
@@ -74,7 +81,7 @@ NewSite SiteOf(const Site& site,
   made.row.latitude_deg = touchdown.latitude_deg;
   made.row.longitude_deg = touchdown.longitude_deg;
   const std::string updated_at = Rfc3339(made.row.updated_at_us);
-  const CaptureTime seen = SeenAt(evaluation.block, flight.times, site.plan.touchdown_in_world);
+  const CaptureTime seen = WhenSeen(site, evaluation.block, flight.times);
   made.row.seen_at_us = seen.earliest_us;
   made.row.seen_until_us = SeenUntil(seen, made.row.updated_at_us);
   nlohmann::json feature = SiteFeature(made.row.id, site, request.aircraft, updated_at, context);
