@@ -54,7 +54,7 @@ ROWS = [
     ("disk", "full disk, filled and emptied", "507, reads and recall go on, no restart", 1, 10,
      disks.run),
     ("promises", "every write on a disk of 60 MB with little room: killed after each, and either "
-     "database damaged", "nothing refused is there, nothing accepted is lost", 24, 1200,
+     "database damaged", "nothing refused is there, nothing accepted is lost", 12, 1200,
      promises.run),
     ("finishes", "a finish on a full disk, killed, and either database damaged", "stops with the "
      "reason, goes on when there is room, no site is lost", 0, 10, promises.run_finishes),

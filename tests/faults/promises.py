@@ -197,7 +197,7 @@ def run(tools, folder, flight_files, num_writes):
             kind = KINDS[number % len(KINDS)]
             what = f"write {number} ({kind})"
             # Most have hardly enough room.
-            disk.fill(generator.choice([0, 4, 8, 16, 32, 64, 128, 256, 512, 4096]) << 10)
+            disk.fill(generator.choice([0, 16, 48, 64, 80, 96, 128, 192, 512, 4096]) << 10)
             writer.write(kind)
             server.kill()
             server.start()
