@@ -95,7 +95,7 @@ CREATE TABLE sites (
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
   is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
   map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
-  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, if it is one of maps; of a doubt also the site whose map it is
+  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map if it is one of maps; of a doubt also the site whose map it is
   seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
 ) STRICT;
 CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';

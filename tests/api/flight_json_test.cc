@@ -53,14 +53,14 @@ TEST_CASE("flight request: a name is enough, and nulls are absent") {
   CHECK(request.aircraft.profile == "techpod");
   // What the flight's input tells is not known here.
   CHECK_FALSE(request.altitude_datum);
-  CHECK_FALSE(ParseFlightRequest(request.canonical_json).altitude_datum);
+  CHECK_FALSE(ParseStoredFlightRequest(request.canonical_json).altitude_datum);
 }
 
 TEST_CASE("flight request: a datum that is settled later stands in the stored request") {
   const FlightRequest request =
       WithAltitudeDatum(ParseFlightRequest(R"({"name": "x"})"), "ellipsoid");
   CHECK(request.altitude_datum == "ellipsoid");
-  CHECK(ParseFlightRequest(request.canonical_json).altitude_datum == "ellipsoid");
+  CHECK(ParseStoredFlightRequest(request.canonical_json).altitude_datum == "ellipsoid");
 }
 
 TEST_CASE("flight request: the least area of a region is the aircraft's unless it is given") {
@@ -76,7 +76,7 @@ TEST_CASE("flight request: the preset is stored and told again, with what was gi
   CHECK(request.options.preset == Preset::kPaper);
   // The paper has no ground roll.
   CHECK(request.aircraft.ground_roll_m == 0.0);
-  const FlightRequest stored = ParseFlightRequest(request.canonical_json);
+  const FlightRequest stored = ParseStoredFlightRequest(request.canonical_json);
   CHECK(stored.options.preset == Preset::kPaper);
   CHECK(stored.aircraft.ground_roll_m == 0.0);
   CHECK(stored.canonical_json == request.canonical_json);
@@ -100,7 +100,7 @@ TEST_CASE("flight request: without a preset only changed options are told") {
 
 TEST_CASE("flight request: the canonical form is a fixed point") {
   const FlightRequest request = ParseFlightRequest(FullRequest().dump());
-  CHECK(ParseFlightRequest(request.canonical_json).canonical_json == request.canonical_json);
+  CHECK(ParseStoredFlightRequest(request.canonical_json).canonical_json == request.canonical_json);
 }
 
 TEST_CASE("flight request: what is wrong is refused where it is") {

@@ -177,7 +177,9 @@ TEST_CASE("damage: the notice says how much was restored, and how old it is") {
 TEST_CASE("damage: of the copy alone: a notice and a line of the log") {
   const TemporaryFolder folder;
   StoreTwoSites(folder.path());
-  Spoil(folder.path() / "recall.db", 4096, 40000);
+  const std::filesystem::path copy = folder.path() / "recall.db";
+  // All but the first page: which pages a start reads depends on the schema.
+  Spoil(copy, 4096, std::filesystem::file_size(copy) - 4096);
   std::vector<std::string> logged;
   StorageOptions options;
   options.folder = folder.path();
