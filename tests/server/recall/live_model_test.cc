@@ -1,5 +1,5 @@
 // Bad clocks and bad links, at random: the live pose and wind must be those of a plain model that
-// knows when each sample was taken. FREELSD_MODEL_STEPS: number of steps, 400 by default.
+// knows when each sample was taken. FREELSD_MODEL_STEPS: number of steps, 200 by default.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -198,7 +198,7 @@ class ModelFlight {
 
 int NumSteps() {
   const char* const given = std::getenv("FREELSD_MODEL_STEPS");
-  return given != nullptr ? std::stoi(given) : 400;
+  return given != nullptr ? std::stoi(given) : 200;
 }
 
 TEST_CASE("live pose and wind: a plain model agrees, whatever clocks and links do") {
