@@ -291,7 +291,8 @@ CREATE TRIGGER obstacle_is_removed AFTER DELETE ON obstacles BEGIN
     OLD.updated_at_us, OLD.west_deg, OLD.south_deg, OLD.east_deg, OLD.north_deg);
 END;
 
--- What a follower keeps of the server that it follows.
+-- What a follower keeps of the server that it follows. In the second copy: the id of the feed of the
+-- database that it follows, the number of the last change that it has, and when it was written.
 CREATE TABLE follow_state (
   followed TEXT PRIMARY KEY,                 -- address and area
   next TEXT NOT NULL,                        -- where to go on in its feed; '': from the beginning

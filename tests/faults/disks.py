@@ -33,11 +33,16 @@ class SmallDisk:
     def fill(self, num_left):
         """Takes all room but that many bytes."""
         self.make_room()
-        status = os.statvfs(self.folder)
-        num_bytes = status.f_bavail * status.f_frsize - num_left
-        if num_bytes > 0:
-            with open(os.path.join(self.folder, "filler"), "wb") as file:
-                os.posix_fallocate(file.fileno(), 0, num_bytes)
+        step = 1 << 12
+        with open(os.path.join(self.folder, "filler"), "wb") as file:
+            status = os.statvfs(self.folder)
+            size = max(0, status.f_bavail * status.f_frsize - num_left)
+            # The server may have taken some meanwhile.
+            while size > 0:
+                try:
+                    return os.posix_fallocate(file.fileno(), 0, size)
+                except OSError:
+                    size -= step
 
     def make_room(self):
         filler = os.path.join(self.folder, "filler")
