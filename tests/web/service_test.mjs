@@ -5,6 +5,7 @@ import { after, before, test } from 'node:test';
 
 import { Validator } from '@seriousme/openapi-schema-validator';
 
+import { sentence } from '../../web/emergency_text.js';
 import { age, distance, heading, margin } from '../../web/units.js';
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
 import { offset, sampleObstacles, sampleReach } from './sample_parts.mjs';
@@ -167,7 +168,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
       assert.ok(cards[i].includes(part), `${part} in ${cards[i]}`);
     }
   });
-  assert.deepEqual(await page.locator('#em-warnings li').allTextContents(), high.warnings);
+  assert.deepEqual(await page.locator('#em-warnings li').allTextContents(), high.warnings.map(sentence));
   // Below the site: no glide reaches the start of a final.
   const low = await emergencyAnswer(page, Math.round(elevation_m - 20));
   assert.deepEqual(low.sites, []);

@@ -127,12 +127,23 @@ TEST_CASE("route check: with several winds the worst one counts") {
   CHECK(num_in_one > 0);
 }
 
+constexpr double kMaxHighRatio = 0.05;
+
 TEST_CASE("route check: gaps, the point of no return and their reasons") {
   const MeadowServer meadow(StoreAmslMeadow);
   const nlohmann::json answer = Check(*meadow.client, Request(500.0));
-  REQUIRE(answer["gaps"].size() == 2);
-  const nlohmann::json& first = answer["gaps"][0];
-  const nlohmann::json& last = answer["gaps"][1];
+  REQUIRE(answer["gaps"].size() >= 2);
+  const nlohmann::json& first = answer["gaps"].front();
+  const nlohmann::json& last = answer["gaps"].back();
+  // Over the meadow there are moments at which no way loses just the height that is too much.
+  double high_s = 0.0;
+  for (size_t i = 1; i + 1 < answer["gaps"].size(); ++i) {
+    const nlohmann::json& gap = answer["gaps"][i];
+    CHECK(gap["reason"] == "too_high");
+    CHECK(gap["nearest_miss"]["missing_m"] == 0.0);
+    high_s += gap["to_s"].get<double>() - gap["from_s"].get<double>();
+  }
+  CHECK(high_s <= kMaxHighRatio * answer["time_s"].get<double>());
   CHECK(first["from_s"] == 0.0);
   CHECK(first["reason"] == "too_low");
   CHECK(first["nearest_miss"]["site_id"] == "f-r1");
@@ -337,7 +348,7 @@ TEST_CASE("route check: GeoJSON colours the whole line") {
     const std::string kind = feature["properties"]["kind"];
     if (kind == "covered" || kind == "gap") lines.push_back(feature);
   }
-  REQUIRE(lines.size() == 3);
+  REQUIRE(lines.size() >= 3);
   for (size_t i = 0; i + 1 < lines.size(); ++i) {
     CHECK(lines[i]["geometry"]["coordinates"].back() ==
           lines[i + 1]["geometry"]["coordinates"].front());
