@@ -104,7 +104,8 @@ TEST_CASE("full disk: an obstacle whose change is refused is as before, also aft
   const TestServer server(TestConfig(data));
   httplib::Client client = server.Client();
   std::set<std::string> stored;
-  for (const auto& each : GetJson(client, "/v1/obstacles")["features"]) stored.insert(each["id"]);
+  const nlohmann::json listed = GetJson(client, "/v1/obstacles");
+  for (const nlohmann::json& each : listed["features"]) stored.insert(each["id"]);
   CHECK(stored == accepted);
 }
 

@@ -218,54 +218,41 @@ SiteMap Changed(const Pair& pair, const cv::Mat1b& heights, const cv::Mat1b& thi
 }
 
 // What stands at least where the own map saw nothing: the later map's heights without its classes.
-// The plan is levelled by the ground at the touchdown, or by its stored profile.
+// Elsewhere the ground is the own map's, lowered to the later one's level.
 SiteMap BeyondOwn(const SiteMap& own,
                   const ShownGround& later,
                   const Places& in_own,
-                  int shift_cells,
+                  const Level& level,
+                  const Pair& pair,
                   const EvidenceOptions& options) {
   const SiteMap& from = later.rasters.site_map;
-  const cv::Mat1f nearby = HighestWithin(own.map.upper, shift_cells);
-  const float allowance = AllowanceOf(from);
+  const cv::Mat1f nearby = HighestWithin(own.map.upper, pair.shift_cells);
+  const auto shift = static_cast<float>(level.shift_m);
   SiteMap beyond = from;
-  beyond.layers.slope = beyond.layers.roughness = cv::Mat1f(from.map.elevation.size(), 0.0f);
+  beyond.layers.slope = cv::Mat1f(from.map.elevation.size(), 0.0f);
+  beyond.layers.roughness = cv::Mat1f(from.map.elevation.size(), 0.0f);
   beyond.layers.grass = cv::Mat1f(from.map.elevation.size(), 1.0f);
+  cv::Mat1f elevation = from.map.elevation.clone();
   // A matrix of its own: an expression would be written into the shared one.
   cv::Mat1f upper = from.map.upper -
                     static_cast<float>(options.height_sigma) * from.map.standard_deviation -
-                    allowance;
-  beyond.map.upper = upper;
+                    AllowanceOf(from);
+  upper = cv::max(upper, elevation);
   for (int row = 0; row < from.map.grid.num_rows; ++row) {
     for (int col = 0; col < from.map.grid.num_cols; ++col) {
       const auto cell = own.map.grid.CellAt(in_own(from.map.grid.CellCenter(row, col)));
-      if (cell && nearby(*cell) != kNoGround) upper(row, col) = std::nanf("");
+      if (!cell || nearby(*cell) == kNoGround) continue;
+      elevation(row, col) = upper(row, col) = own.map.elevation(*cell) - shift;
     }
   }
+  beyond.map.elevation = elevation;
+  beyond.map.upper = upper;
   return beyond;
 }
 
 double DeviationOf(const ElevationMap& map, const StoredPlan& plan) {
   return std::max(KnownOr0(map.position_sd_m),
                   plan.replan.flight.options.approach.min_map_position_sd_m);
-}
-
-// Nothing also if the maps have too little ground in common.
-std::optional<PlanCheck> BrokenByChangesIn(const StoredPlan& plan,
-                                           const SiteMap& own,
-                                           const ShownGround& later,
-                                           const Places& in_later,
-                                           int shift_cells,
-                                           const EvidenceOptions& options) {
-  const ElevationMap& later_map = later.rasters.site_map.map;
-  Pair pair{own, OnGridOf(own.map, later, in_later), {}, shift_cells};
-  pair.later.map.is_compared = later_map.is_compared;
-  const std::optional<Level> level = LevelBetween(own.map, pair.later.map, options);
-  if (!level) return std::nullopt;
-  pair.tolerance = Tolerances(own.map, pair.later, later_map.tilt_sd_deg, *level, options);
-  pair.later.map.elevation += static_cast<float>(level->shift_m);
-  pair.later.map.upper += static_cast<float>(level->shift_m);
-  const cv::Mat1b things = NewThings(pair, later, in_later, options);
-  return BrokenByChanges(plan, own, Changed(pair, ChangedHeights(pair, options), things));
 }
 
 }  // namespace
@@ -282,14 +269,20 @@ std::optional<PlanCheck> BrokenByEvidence(const StoredPlan& plan,
       options.height_sigma * std::hypot(DeviationOf(map, plan), DeviationOf(later_map, plan));
   if (shift_m > options.max_shift_m) return std::nullopt;
   const LocalFrame own_frame(own.origin), later_frame(later.origin);
-  const int shift_cells = NumCells(shift_m, map.grid);
   const Places in_later(own_frame, later_frame, MiddleOf(map.grid));
-  if (auto broken = BrokenByChangesIn(plan, own_map, later, in_later, shift_cells, options)) {
-    return broken;
-  }
+  Pair pair{own_map, OnGridOf(map, later, in_later), {}, NumCells(shift_m, map.grid)};
+  pair.later.map.is_compared = later_map.is_compared;
+  const std::optional<Level> level = LevelBetween(map, pair.later.map, options);
+  if (!level) return std::nullopt;
+  pair.tolerance = Tolerances(map, pair.later, later_map.tilt_sd_deg, *level, options);
+  pair.later.map.elevation += static_cast<float>(level->shift_m);
+  pair.later.map.upper += static_cast<float>(level->shift_m);
+  const cv::Mat1b things = NewThings(pair, later, in_later, options);
+  const SiteMap changed = Changed(pair, ChangedHeights(pair, options), things);
+  if (auto broken = BrokenByChanges(plan, own_map, changed)) return broken;
   const Places in_own(later_frame, own_frame, MiddleOf(later_map.grid));
   const PlanCheck beyond =
-      CheckPlan(plan, later.origin, BeyondOwn(own_map, later, in_own, shift_cells, options));
+      CheckPlan(plan, later.origin, BeyondOwn(own_map, later, in_own, *level, pair, options));
   return beyond.verdict == PlanVerdict::kFails ? std::optional(beyond) : std::nullopt;
 }
 

@@ -98,7 +98,8 @@ TEST_CASE("evidence: what stands or is dug breaks the plan") {
     CHECK_FALSE(Broken(landed, later));
   }
   MapRasters later = CopyOf(landed.ground);
-  Raise(later, SquareAt(landed, 0, 40, 20), 12.0f);
+  // Farther out, the circle would be blocked too.
+  Raise(later, SquareAt(landed, 0, 25, 10), 12.0f);
   REQUIRE(Broken(landed, later));
   CHECK(Broken(landed, later)->reason == RejectReason::kApproachBlocked);
   // Beside the way it breaks nothing.
