@@ -18,6 +18,7 @@ RecallRow RecalledRowOf(const SiteRow& site, const StoredPlan& plan) {
   row.longitude_deg = site.longitude_deg;
   row.updated_at_us = site.updated_at_us;
   row.seen_at_us = site.LastSeenUs();
+  row.seen_until_us = site.seen_until_us;
   row.data = {plan.site.verdict == "landable",
               plan.site.touchdown.altitude_m,
               plan.site.altitude_datum,

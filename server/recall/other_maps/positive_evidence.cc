@@ -218,16 +218,16 @@ SiteMap Changed(const Pair& pair, const cv::Mat1b& heights, const cv::Mat1b& thi
 }
 
 // What stands at least where the own map saw nothing: the later map's heights without its classes.
-// Elsewhere the ground is the own map's, lowered to the later one's level.
+// Elsewhere the ground is the own map's, at the later one's level; unseen if the level is unknown.
 SiteMap BeyondOwn(const SiteMap& own,
                   const ShownGround& later,
                   const Places& in_own,
-                  const Level& level,
-                  const Pair& pair,
+                  const std::optional<Level>& level,
+                  int shift_cells,
                   const EvidenceOptions& options) {
   const SiteMap& from = later.rasters.site_map;
-  const cv::Mat1f nearby = HighestWithin(own.map.upper, pair.shift_cells);
-  const auto shift = static_cast<float>(level.shift_m);
+  const cv::Mat1f nearby = HighestWithin(own.map.upper, shift_cells);
+  const float shift = level ? static_cast<float>(level->shift_m) : std::nanf("");
   SiteMap beyond = from;
   beyond.layers.slope = cv::Mat1f(from.map.elevation.size(), 0.0f);
   beyond.layers.roughness = cv::Mat1f(from.map.elevation.size(), 0.0f);
@@ -255,6 +255,22 @@ double DeviationOf(const ElevationMap& map, const StoredPlan& plan) {
                   plan.replan.flight.options.approach.min_map_position_sd_m);
 }
 
+std::optional<PlanCheck> BrokenByChangesIn(const StoredPlan& plan,
+                                           Pair pair,
+                                           const Level& level,
+                                           const ShownGround& later,
+                                           const Places& in_later,
+                                           const EvidenceOptions& options) {
+  const ElevationMap& own = pair.own.map;
+  const ElevationMap& later_map = later.rasters.site_map.map;
+  pair.later.map.is_compared = later_map.is_compared;
+  pair.tolerance = Tolerances(own, pair.later, later_map.tilt_sd_deg, level, options);
+  pair.later.map.elevation += static_cast<float>(level.shift_m);
+  pair.later.map.upper += static_cast<float>(level.shift_m);
+  const cv::Mat1b things = NewThings(pair, later, in_later, options);
+  return BrokenByChanges(plan, pair.own, Changed(pair, ChangedHeights(pair, options), things));
+}
+
 }  // namespace
 
 std::optional<PlanCheck> BrokenByEvidence(const StoredPlan& plan,
@@ -269,20 +285,18 @@ std::optional<PlanCheck> BrokenByEvidence(const StoredPlan& plan,
       options.height_sigma * std::hypot(DeviationOf(map, plan), DeviationOf(later_map, plan));
   if (shift_m > options.max_shift_m) return std::nullopt;
   const LocalFrame own_frame(own.origin), later_frame(later.origin);
+  const int shift_cells = NumCells(shift_m, map.grid);
   const Places in_later(own_frame, later_frame, MiddleOf(map.grid));
-  Pair pair{own_map, OnGridOf(map, later, in_later), {}, NumCells(shift_m, map.grid)};
-  pair.later.map.is_compared = later_map.is_compared;
+  Pair pair{own_map, OnGridOf(map, later, in_later), {}, shift_cells};
   const std::optional<Level> level = LevelBetween(map, pair.later.map, options);
-  if (!level) return std::nullopt;
-  pair.tolerance = Tolerances(map, pair.later, later_map.tilt_sd_deg, *level, options);
-  pair.later.map.elevation += static_cast<float>(level->shift_m);
-  pair.later.map.upper += static_cast<float>(level->shift_m);
-  const cv::Mat1b things = NewThings(pair, later, in_later, options);
-  const SiteMap changed = Changed(pair, ChangedHeights(pair, options), things);
-  if (auto broken = BrokenByChanges(plan, own_map, changed)) return broken;
+  if (level) {
+    if (auto broken = BrokenByChangesIn(plan, std::move(pair), *level, later, in_later, options)) {
+      return broken;
+    }
+  }
   const Places in_own(later_frame, own_frame, MiddleOf(later_map.grid));
   const PlanCheck beyond =
-      CheckPlan(plan, later.origin, BeyondOwn(own_map, later, in_own, *level, pair, options));
+      CheckPlan(plan, later.origin, BeyondOwn(own_map, later, in_own, level, shift_cells, options));
   return beyond.verdict == PlanVerdict::kFails ? std::optional(beyond) : std::nullopt;
 }
 

@@ -120,7 +120,8 @@ TEST_CASE("emergency: what is reachable stands before a way that cannot lose its
     other.id = std::string("f-r2");
     storage.sites.Put(other, SerializeSiteMap(Meadow()));
   });
-  for (const auto& site : GetJson(*meadow.client, Query(600.0, kCalmNorth))["sites"]) {
+  const nlohmann::json reached = GetJson(*meadow.client, Query(600.0, kCalmNorth));
+  for (const nlohmann::json& site : reached["sites"]) {
     for (const double above_m : {4.0, 9.0, 14.0, 60.0}) {
       const nlohmann::json answer = GetJson(*meadow.client, OverStart(site, above_m));
       INFO(answer.dump());
