@@ -100,6 +100,7 @@ TEST_CASE("evidence: what stands or is dug breaks the plan") {
   MapRasters later = CopyOf(landed.ground);
   // Farther out, the circle would be blocked too.
   Raise(later, SquareAt(landed, 0, 25, 10), 12.0f);
+  later.site_map.layers.grass(SquareAt(landed, 0, 25, 10)).setTo(0.0f);
   REQUIRE(Broken(landed, later));
   CHECK(Broken(landed, later)->reason == RejectReason::kApproachBlocked);
   // Beside the way it breaks nothing.
