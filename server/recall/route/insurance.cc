@@ -107,12 +107,14 @@ RouteGap GapFrom(const std::vector<InsuredMoment>& moments, size_t first) {
   for (size_t i = first; i < moments.size() && !moments[i].is_covered; ++i) {
     gap.last = i;
     ++counts[static_cast<size_t>(moments[i].reason)];
-    const auto& miss = moments[i].nearest_miss;
-    if (miss && (!gap.nearest_miss || miss->missing_m < gap.nearest_miss->missing_m)) {
-      gap.nearest_miss = miss;
-    }
   }
   gap.reason = MostFrequent(counts);
+  // Of the moments with this reason: where another one holds, another height is missing, or none.
+  for (size_t i = first; i <= gap.last; ++i) {
+    const auto& miss = moments[i].nearest_miss;
+    if (!miss || moments[i].reason != gap.reason) continue;
+    if (!gap.nearest_miss || miss->missing_m < gap.nearest_miss->missing_m) gap.nearest_miss = miss;
+  }
   return gap;
 }
 
