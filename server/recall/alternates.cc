@@ -10,7 +10,7 @@
 #include "api/stored/stored.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
-#include "server/recall/live_pose.h"
+#include "server/recall/live_pose/live_pose.h"
 #include "server/recall/recall_sites.h"
 
 namespace freelsd {

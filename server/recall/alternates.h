@@ -18,7 +18,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/recall/live_pose.h"
+#include "server/recall/live_pose/live_pose.h"
 
 namespace freelsd {
 

@@ -11,7 +11,7 @@
 #include "engine/flight/flight.h"
 #include "engine/glide/glide.h"
 #include "server/recall/altitude_datum.h"
-#include "server/recall/live_wind/live_wind.h"
+#include "server/recall/live_pose/live_pose.h"
 
 namespace freelsd {
 

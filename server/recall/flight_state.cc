@@ -3,7 +3,7 @@
 #include "api/api.h"
 #include "api/stored/stored.h"
 #include "server/intake/intake.h"
-#include "server/recall/live_pose.h"
+#include "server/recall/live_pose/live_pose.h"
 
 namespace freelsd {
 namespace {

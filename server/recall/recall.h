@@ -7,7 +7,6 @@
 #include "server/recall/map_cache.h"
 #include "server/recall/map_place/map_place.h"
 #include "server/recall/obstacles/obstacles.h"
-#include "server/recall/own_sites.h"
 #include "server/recall/reach/reach.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/recall_sites.h"

@@ -11,7 +11,7 @@
 #include "server/http/http.h"
 #include "server/recall/descent_path.h"
 #include "server/recall/obstacles/obstacles.h"
-#include "server/recall/own_sites.h"
+#include "server/recall/recall_candidates.h"
 #include "server/recall/site_search.h"
 #include "server/recall/standing.h"
 

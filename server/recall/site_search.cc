@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/recall/own_sites.h"
+#include "server/recall/recall_candidates.h"
 
 namespace freelsd {
 namespace {

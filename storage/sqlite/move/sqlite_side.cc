@@ -3,7 +3,7 @@
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
 #include "storage/move/move.h"
-#include "storage/sqlite/damage.h"
+#include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/migrations.h"
 #include "storage/sqlite/obstacle_rows.h"

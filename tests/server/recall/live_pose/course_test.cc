@@ -1,4 +1,4 @@
-#include "server/recall/course/course.h"
+#include "server/recall/live_pose/course.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The latest pose and wind of a flight, also after a link was cut.
-#include "server/recall/live_pose.h"
+#include "server/recall/live_pose/live_pose.h"
 
 #include <algorithm>
 #include <cmath>

@@ -13,7 +13,7 @@
 
 #include "api/api.h"
 #include "server/intake/telemetry.h"
-#include "server/recall/live_pose.h"
+#include "server/recall/live_pose/live_pose.h"
 #include "tests/storage/place.h"
 #include "tests/storage/temporary_folder.h"
 

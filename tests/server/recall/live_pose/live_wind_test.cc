@@ -1,9 +1,8 @@
 // What a wind of some age is worth, in every answer about now.
-#include "server/recall/live_wind/live_wind.h"
-
 #include <doctest/doctest.h>
 
 #include "server/intake/arrival_clock.h"
+#include "server/recall/live_pose/live_pose.h"
 #include "tests/server/recall/emergency_query.h"
 
 namespace freelsd {

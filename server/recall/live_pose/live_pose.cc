@@ -1,4 +1,4 @@
-#include "server/recall/live_pose.h"
+#include "server/recall/live_pose/live_pose.h"
 
 #include <algorithm>
 #include <iterator>
@@ -8,7 +8,7 @@
 
 #include "api/stored/stored.h"
 #include "server/intake/intake.h"
-#include "server/recall/course/course.h"
+#include "server/recall/live_pose/course.h"
 
 namespace freelsd {
 namespace {

@@ -1,11 +1,10 @@
-#include "server/recall/live_wind/live_wind.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
 #include "engine/glide/glide.h"
+#include "server/recall/live_pose/live_pose.h"
 
 namespace freelsd {
 namespace {
