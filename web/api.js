@@ -191,11 +191,11 @@ export async function getTile(path, signal) {
   }
 }
 
-export const getBlob = async (path, signal) => (await call(path, { signal })).blob();
+export const getBlob = async (path, signal) => (await callInTurn(path, { signal })).blob();
 
 // {blob, name}; the name comes from Content-Disposition.
 export async function getFile(path, fallbackName) {
-  const response = await call(path);
+  const response = await callInTurn(path, {});
   const named = /filename="?([^";]+)"?/.exec(response.headers.get('Content-Disposition') ?? '');
   const blob = await response.blob();
   if (blob.size === 0) throw new Problem(response.status, { detail: 'the server sent an empty file' });

@@ -66,10 +66,11 @@ export function groundAge({ age_s }) {
 }
 
 // What makes the site unverified. wind: of the answer, with its age; null if it is unknown.
-export function doubts({ verdict, unseen_ratio }, wind) {
+export function doubts({ verdict, unseen_ratio, ...site }, wind) {
   if (verdict !== 'unverified') return [];
+  const mapDoubt = 'doubted_at' in site ? 'another map does not show fit ground' : null;
   const windDoubt = !isWindKnown(wind) ? 'wind not known' : isWindOld(wind) ? `wind ${age(wind.age_s)} old` : null;
   const seenDoubt = unseen_ratio > 0 ? `${fixed(100 * unseen_ratio, 0, '%')} of the circle not measured` : null;
-  const known = [windDoubt, seenDoubt].filter(Boolean);
+  const known = [mapDoubt, windDoubt, seenDoubt].filter(Boolean);
   return known.length > 0 ? known : ['some ground below the way was not measured'];
 }

@@ -227,6 +227,23 @@ WindRoseOptions RoseOf(const Call& call) {
   throw error;
 }
 
+// As another map leaves it: a plan that one rejects is refused, one that is doubted is unverified.
+nlohmann::json StoredApproach(const Service& service, const SiteRow& site) {
+  const std::optional<SiteRow> stored = service.storage.sites.Find(site.id);
+  if (stored && stored->IsContested()) {
+    throw ApiError("SiteRejected",
+                   "another map rejects the stored approach: " + stored->superseded_detail);
+  }
+  nlohmann::json approach = nlohmann::json::parse(site.approach_json);
+  if (!site.IsDoubted()) return approach;
+  const auto lower = [](nlohmann::json& object) {
+    if (object.value("verdict", "") == "landable") object["verdict"] = "unverified";
+  };
+  lower(approach);
+  for (nlohmann::json& feature : approach["features"]) lower(feature["properties"]);
+  return approach;
+}
+
 }  // namespace
 
 void GetApproach(Service& service, const Call& call, httplib::Response& response) {
@@ -242,7 +259,7 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
                      "an obstacle blocks the stored approach: " + obstruction->detail +
                          "; with a wind it is planned anew");
     }
-    AnswerGeoJson(nlohmann::json::parse(site.approach_json), response);
+    AnswerGeoJson(StoredApproach(service, site), response);
     return;
   }
   const LongPlace place(service.long_queues.plans, WantedBy(service, call));

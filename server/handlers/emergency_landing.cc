@@ -36,6 +36,7 @@ StoredSite BestOf(const Service& service, const nlohmann::json& answer) {
   site.flight_name = FlightNameOf(service, site.id);
   site.rank = best.at("rank").get<int64_t>();
   site.verdict = best.at("verdict");
+  site.is_doubted = best.contains("doubted_at");
   site.is_experiment = best.contains("memory");
   site.altitude_datum = best.at("altitude_datum");
   site.touchdown = PlaceOf(best.at("touchdown"));

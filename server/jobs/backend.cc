@@ -141,9 +141,9 @@ bool Worker::IsReadyToFinish(const std::string& flight_id) const {
 
 // Evaluations and sites that are to be checked on later maps take turns.
 bool Worker::StepBackend() {
-  const bool has_checked = CheckNextSite();
-  // Also makes room on a full disk.
+  // First, because it makes room on a full disk.
   RetireImages();
+  const bool has_checked = StepWithRoom(&Worker::CheckNextSite, backend_room_);
   return StepWithRoom(&Worker::Evaluate, backend_room_) || has_checked;
 }
 

@@ -126,7 +126,8 @@ void Alternates::Enqueue(const std::string& flight_id) {
 
 void Alternates::EnqueueExpired() {
   for (const auto& [flight_id, list] : lists_) {
-    if (list.HasObstacleExpired()) Enqueue(flight_id);
+    const bool is_over = list.holds_until_us && ArrivalNowUs() > *list.holds_until_us;
+    if (is_over || list.HasObstacleExpired()) Enqueue(flight_id);
   }
 }
 

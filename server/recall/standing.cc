@@ -60,16 +60,16 @@ Standing With(Standing standing,
     standing.confirmed_at_us =
         std::max(standing.confirmed_at_us.value_or(map.seen_at_us), map.seen_at_us);
     const bool is_settled = standing.IsDoubted() && standing.superseded_at_us > 0 &&
-                            standing.superseded_at_us <= *standing.confirmed_at_us;
+                            standing.superseded_at_us < *standing.confirmed_at_us;
     return is_settled ? Undoubted(std::move(standing)) : standing;
   }
   const bool is_doubt = check.verdict == PlanVerdict::kDoubts;
   if (check.verdict != PlanVerdict::kFails && !is_doubt) return standing;
-  if (is_doubt && (standing.superseded_by ||
-                   (is_later && map.seen_at_us <= standing.confirmed_at_us.value_or(0)))) {
-    return standing;
-  }
-  const int64_t since_us = is_later ? map.seen_at_us : 0;
+  // A map that confirms may be later than a doubt only if both times are exact.
+  const bool is_dated = is_later && !(is_doubt && map.seen_until_us);
+  const int64_t since_us = is_dated ? map.seen_at_us : 0;
+  const bool is_settled = is_dated && since_us < standing.confirmed_at_us.value_or(0);
+  if (is_doubt && (standing.superseded_by || is_settled)) return standing;
   if (!IsStronger(standing, is_doubt, since_us, map.id)) return standing;
   standing.superseded_by = is_doubt ? std::nullopt : std::optional(shown_id);
   standing.superseded_by_map = map.is_of_flight || is_doubt ? map.id : "";

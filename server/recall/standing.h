@@ -14,7 +14,7 @@ namespace freelsd {
 // that doubt it, the newest one counts, unless a map supersedes the site or confirms it later. The
 // order of the checks therefore does not matter.
 // `is_later`: false if the map may be later or earlier. Such a map confirms nothing, and no later
-// map settles its doubt.
+// map settles its doubt, nor that of a map whose own time is not exact.
 // `shown_id`: what supersedes, for people.
 Standing With(Standing standing,
               const PlanCheck& check,

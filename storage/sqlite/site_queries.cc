@@ -371,7 +371,10 @@ SiteStamps StampsOf(const Connection& connection) {
       "SELECT id, updated_at_us, " + std::string(kStandingColumns) + " FROM sites";
   Statement statement = connection.Prepare(select.c_str());
   while (statement.Step()) {
-    stamps.insert({statement.Text(0), {statement.Int(1), StandingAt(statement, 2)}});
+    Standing standing = StandingAt(statement, 2);
+    // No change of its own: a restored site may be checked again.
+    standing.is_checked = true;
+    stamps.insert({statement.Text(0), {statement.Int(1), std::move(standing)}});
   }
   return stamps;
 }

@@ -191,8 +191,9 @@ void StorageState::MarkDamaged(const std::string& why) {
 }
 
 void StorageState::MarkCopyDamaged(const std::string& why) {
+  const bool was_damaged = is_copy_damaged_.exchange(true);
   is_copy_whole = false;
-  if (is_copy_damaged_.exchange(true)) return;
+  if (was_damaged) return;
   MarkCopy(folder, why);
   notices.AddForNow("the second copy of the sites is damaged (" + why +
                     "): sites are read from the database, and the next start makes the copy anew");
@@ -276,7 +277,10 @@ bool StorageState::Restore() {
     CopyAll(copy_writer, writer);
     transaction.Commit();
   });
-  if (is_restored) return true;
+  if (is_restored) {
+    restored_ = RestoredFrom(copy_writer);
+    return true;
+  }
   is_damaged = true;
   notices.AddForNow(
       "the disk has no room to restore the database from the second copy: sites are read from the "
@@ -313,9 +317,10 @@ void StorageState::TellOfSetAside() {
   std::string text = aside.database;
   if (!aside.copy.empty()) text += (text.empty() ? "" : "; ") + aside.copy;
   if (aside.database.empty()) {
-    text += "; it was made anew from the database";
+    text += is_copy_whole ? "; it was made anew from the database"
+                          : "; it will be made anew from the database when the disk has room";
   } else if (aside.copy.empty()) {
-    text += "; " + RestoredFrom(copy_writer);
+    text += "; " + (restored_.empty() ? "its sites were restored from the second copy" : restored_);
   } else {
     text += "; nothing could be restored";
   }

@@ -83,7 +83,7 @@ struct StorageState {
   // separate file.
   template <typename Read>
   auto ReadForRecall(Read read) {
-    if (is_copy_whole) {
+    if (is_copy_whole && !is_copy_damaged_) {
       try {
         const Reader reader(copy_readers);
         return read(*reader);
@@ -168,6 +168,8 @@ struct StorageState {
   void CheckWholeFiles();
 
   std::atomic<bool> is_copy_damaged_{false};
+  // What this start restored, for a notice; empty: nothing.
+  std::string restored_;
 
   // A thread checks both files completely, once. Without the thread, this check would delay the
   // start too long.

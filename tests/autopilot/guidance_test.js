@@ -169,15 +169,16 @@ test('a mode that a person sets ends guidance; its own modes do not', () => {
 test('recall is asked in a wind that is held until it changes by more than it wanders', () => {
   const hold = new WindHold();
   const told = [];
-  assert.deepEqual(hold.take({ east_mps: 3, north_mps: 0 }), { east_mps: 3, north_mps: 0 });
-  assert.deepEqual(hold.take({ east_mps: 4, north_mps: 0 }, (text) => told.push(text)), { east_mps: 3, north_mps: 0 });
+  assert.deepEqual(hold.take({ east_mps: 3, north_mps: 0, age_s: 2 }), { east_mps: 3, north_mps: 0, age_s: 2 });
+  assert.deepEqual(hold.take({ east_mps: 4, north_mps: 0, age_s: 1 }, (text) => told.push(text)), { east_mps: 3, north_mps: 0, age_s: 1 });
   assert.equal(told.length, 0);
-  assert.deepEqual(hold.take({ east_mps: 5, north_mps: 0 }, (text) => told.push(text)), { east_mps: 5, north_mps: 0 });
+  assert.deepEqual(hold.take({ east_mps: 5, north_mps: 0, age_s: 1 }, (text) => told.push(text)), { east_mps: 5, north_mps: 0, age_s: 1 });
   assert.equal(told.length, 1);
-  const query = queryOf({ position: { ...place(0, 0, 500), altitude_datum: 'amsl' }, velocity: { east_mps: 10, north_mps: 0 } }, { east_mps: 5, north_mps: 0 });
+  const query = queryOf({ position: { ...place(0, 0, 500), altitude_datum: 'amsl' }, velocity: { east_mps: 10, north_mps: 0 } }, { east_mps: 5, north_mps: 0, age_s: 1 });
   assert.equal(query.heading_deg, 90);
   assert.equal(query.wind_east_mps, 5);
   assert.ok(!('touchdown_uncertainty_m' in query));
+  assert.equal(hold.take(undefined), undefined, 'without a wind the service takes the flight\'s');
 });
 
 test('a wind of any age is not the wind of now: recall takes an old one from the flight, with its age', () => {

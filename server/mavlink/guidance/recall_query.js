@@ -5,19 +5,22 @@ const held_mps = 1.5;
 // A wind in the query is one of now. The service knows how old the flight's wind is: it takes an older one from there.
 const maxWindAge_s = 600;
 
-const isOld = (wind) => wind.age_s > maxWindAge_s;
+const isOld = (wind) => !(wind.age_s <= maxWindAge_s);
 
 export class WindHold {
   #wind;
 
   // onChange(sentence): called when another wind is taken.
   take(wind, onChange = () => {}) {
-    if (!wind) return this.#wind;
+    if (!wind) return undefined;
     if (isOld(wind)) return wind;
     const held = this.#wind;
-    if (held && Math.hypot(wind.east_mps - held.east_mps, wind.north_mps - held.north_mps) < held_mps) return held;
+    if (held && Math.hypot(wind.east_mps - held.east_mps, wind.north_mps - held.north_mps) < held_mps) {
+      held.age_s = wind.age_s;
+      return held;
+    }
     if (held) onChange(`the wind is now ${Math.hypot(wind.east_mps, wind.north_mps).toFixed(1)} m/s: ways are planned for it`);
-    this.#wind = { east_mps: wind.east_mps, north_mps: wind.north_mps };
+    this.#wind = { east_mps: wind.east_mps, north_mps: wind.north_mps, age_s: wind.age_s };
     return this.#wind;
   }
 }

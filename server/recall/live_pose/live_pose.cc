@@ -95,9 +95,21 @@ FrameMeta MetaOf(const FrameRow& frame) {
 // A batch arrives long after its photographs were taken: only their own times say when.
 std::optional<double> FrameAgeS(const FrameRow& frame, const FrameMeta& meta, int64_t now_us) {
   if (!frame.is_from_batch) return AgeS(frame.arrived_at_us, now_us);
-  if (!meta.timestamp_us || *meta.timestamp_us < kFirstPlausibleUs) return std::nullopt;
-  if (*meta.timestamp_us > std::min(now_us, frame.arrived_at_us)) return std::nullopt;
-  return static_cast<double>(now_us - *meta.timestamp_us) * 1e-6;
+  const CaptureTime taken = CaptureTimeOf(frame, meta);
+  if (!taken.IsDated() || taken.earliest_us > now_us) return std::nullopt;
+  return static_cast<double>(now_us - taken.earliest_us) * 1e-6;
+}
+
+// A frame may be sent long after it was taken. Its position is then still the last one that
+// arrived, because cameras' clocks are often wrong, but its wind is not one of now.
+std::optional<double> FrameWindAgeS(const FrameRow& frame, const FrameMeta& meta, int64_t now_us) {
+  constexpr int64_t kMaxPromptUs = int64_t{120} * 1000000;
+  const int64_t taken_us = meta.timestamp_us.value_or(0);
+  const auto age_s =
+      WindAgeS({taken_us, frame.arrived_at_us}, FrameAgeS(frame, meta, now_us), now_us);
+  const bool is_late = taken_us > 0 && frame.arrived_at_us - taken_us > kMaxPromptUs;
+  if (!age_s || !is_late) return age_s;
+  return std::max(*age_s, static_cast<double>(now_us - taken_us) * 1e-6);
 }
 
 // Uses only the metadata that arrived with the frames. Their metadata from telemetry arrived
@@ -119,10 +131,11 @@ Track TrackOfFrames(const std::vector<FrameRow>& frames, int64_t now_us) {
   return track;
 }
 
-// Where ages are unknown, the order of arrival counts.
+// What is of unknown age is older. Where both are, the order of arrival counts.
 bool IsLater(const Track& a, const Track& b) {
   if (a.passed.empty() || b.passed.empty()) return b.passed.empty();
   if (a.age_s && b.age_s) return *a.age_s < *b.age_s;
+  if (a.age_s.has_value() != b.age_s.has_value()) return a.age_s.has_value();
   return a.passed.front().arrived_at_us > b.passed.front().arrived_at_us;
 }
 
@@ -130,10 +143,9 @@ std::optional<LiveWind> WindOfFrames(const std::vector<FrameRow>& frames, int64_
   for (const FrameRow& frame : frames) {
     const FrameMeta meta = MetaOf(frame);
     if (!meta.wind_in_world) continue;
-    const ArrivedSample arrival{meta.timestamp_us.value_or(0), frame.arrived_at_us};
     return LiveWind{*meta.wind_in_world,
                     meta.timestamp_us,
-                    WindAgeS(arrival, FrameAgeS(frame, meta, now_us), now_us),
+                    FrameWindAgeS(frame, meta, now_us),
                     "frame",
                     std::nullopt};
   }

@@ -79,6 +79,13 @@ Order OrderOf(const Flown& map, const Flown& site) {
   return are_exact ? Order::kEarlier : Order::kContested;
 }
 
+// A doubt of a map whose time is not exact is never surely earlier than what confirms.
+Order OrderFor(Says says, const Flown& map, const Flown& site) {
+  const Order order = OrderOf(map, site);
+  const bool is_inexact = says == Says::kDoubts && map.seen_until_us && order == Order::kLater;
+  return is_inexact ? Order::kContested : order;
+}
+
 using Records = std::map<std::string, Expected>;
 
 class Model {
@@ -140,7 +147,8 @@ class Model {
     std::pair<int64_t, std::string> strongest{0, ""};
     for (const auto& [id, map] : stored_) {
       const bool is_judge = map.place == site.place && map.flight_id != site.flight_id &&
-                            !map.is_experiment && !map.is_loose && OrderOf(map, site) == order;
+                            !map.is_experiment && !map.is_loose &&
+                            OrderFor(wanted, map, site) == order;
       if (!is_judge || OfPlan(map.ground, site.is_strict) != wanted) continue;
       strongest = std::max(strongest, {order == Order::kLater ? map.seen_at_us : 0, id});
     }
