@@ -203,7 +203,7 @@ std::string Metres(double length_m) { return std::to_string(std::lround(length_m
 }  // namespace
 
 bool Reached::IsReachable() const {
-  return margin_m >= 0.0 && path.descent && path.SurplusM() <= GlideOptions{}.max_surplus_m;
+  return margin_m >= 0.0 && path.SurplusM() <= GlideOptions{}.max_surplus_m;
 }
 
 const char* NameOf(MissReason reason) {
@@ -237,7 +237,6 @@ MissReason ReasonOf(const Search& search) {
 
 std::string SentenceOf(const Reached& miss) {
   if (ReasonOf(miss) == MissReason::kTooHigh) {
-    if (!miss.path.descent) return "no single path there was found";
     return "the aircraft arrives " + Metres(miss.path.SurplusM()) +
            " too high for the final, and no clear way that loses this height was found";
   }
