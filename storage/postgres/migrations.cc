@@ -7,7 +7,7 @@ extern const char* const kPostgresMigrations[];
 namespace freelsd {
 namespace {
 
-constexpr int64_t kNumMigrations = 6;
+constexpr int64_t kNumMigrations = 7;
 
 int64_t SchemaVersion(PostgresConnection& connection) {
   const bool is_new =

@@ -97,6 +97,7 @@ TEST_CASE("one sample ahead: it makes no other one old, and is of unknown age it
 TEST_CASE(
     "one sample ahead: many that arrive together set no clock either, nor a few at the start") {
   std::vector<ArrivedSample> burst;
+  burst.reserve(50);
   for (int i = 0; i < 50; ++i) burst.push_back(At(10.0 + 100.0 + 0.02 * i, 10.2));
   const std::vector<ArrivedSample> live = Live(0, 30);
   CHECK(FlightClock(live + burst).AgeS(live.back(), kNowUs + 29 * kSecondUs) ==
@@ -130,6 +131,7 @@ TEST_CASE(
 
 TEST_CASE("one sample ahead: where every time is another one, none is younger than its arrival") {
   std::vector<ArrivedSample> wild;
+  wild.reserve(20);
   for (int s = 0; s < 20; ++s) wild.push_back(At(s + 500.0 * ((7 * s) % 20), s));
   const FlightClock clock(wild);
   for (const ArrivedSample& sample : wild) {

@@ -333,7 +333,7 @@ class Walk {
         client.Post("/v1/flights",
                     R"({"name":"live","aircraft":{"profile":"small"},"memory":")" + memory + "\"}",
                     "application/json");
-    const std::string flight = nlohmann::json::parse(posted->body)["id"];
+    std::string flight = nlohmann::json::parse(posted->body)["id"];
     const nlohmann::json sample{{"timestamp_us", NowUs()},
                                 {"position",
                                  {{"latitude_deg", above.latitude_deg},
