@@ -50,6 +50,7 @@ TEST_CASE("postgres: nobody migrates a schema that others share") {
     former.flights.Insert(SomeFlight("f"));
   }
   place.Execute(
+      "ALTER TABLE sites DROP COLUMN seen_until_us; ALTER TABLE maps DROP COLUMN seen_until_us; "
       "ALTER TABLE organisations DROP COLUMN has_unchecked_ground; DROP INDEX sites_by_aircraft; "
       "DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP FUNCTION tell_change, "
       "tell_site, "
