@@ -4,7 +4,7 @@ import { call, query, setToken } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 
-const methods = ['get', 'put', 'post', 'delete'];
+const methods = ['get', 'put', 'post', 'patch', 'delete'];
 let contract = {};
 
 const resolved = (node) => (node?.$ref
