@@ -67,7 +67,7 @@ def map_rows(base, places):
         box = (longitude - 0.0027, latitude - 0.0018, longitude + 0.0027, latitude + 0.0018)
         row = [f"many/{number}", "many", json.dumps(head), base["altitude_datum"], *box,
                base["updated_at_us"], base["seen_at_us"]]
-        yield row[:2] + [number] + row[2:] + [1, checksum(*row)]
+        yield row[:2] + [number] + row[2:] + [1, checksum(*row), None]
 
 
 def fill(data, num_sites, half_side_deg=0.1):

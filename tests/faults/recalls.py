@@ -252,7 +252,9 @@ def run_roses(tools, folder, flight_files, seconds):
             is_over.set()
             for reader in readers:
                 reader.join()
-    check(set(statuses) == {200}, f"wind roses answered {set(statuses)}")
+    # 429: as many as may wait do so.
+    check({200} <= set(statuses) <= {200, 429}, f"wind roses answered {set(statuses)}")
+    statuses = [status for status in statuses if status == 200]
     p50, p99 = percentile(times_ms, 0.5), percentile(times_ms, 0.99)
     seen = (f"{len(statuses)} roses of 180 winds answered meanwhile; recall p50 {p50:.1f} ms, p99 "
             f"{p99:.1f} ms (the machine took {pace:.1f} times as long)")
