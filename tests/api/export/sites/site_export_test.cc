@@ -102,7 +102,7 @@ TEST_CASE("export: without a datum elevations are left out or lie on the ground"
 TEST_CASE("export: a name that a spreadsheet takes for a formula is text, numbers stay numbers") {
   StoredSite site = SiteOf(Verdict::kLandable).stored;
   site.rank = 1;
-  for (const std::string& name : {"=HYPERLINK(1)", "+1", "-1", "@x"}) {
+  for (const std::string name : {"=HYPERLINK(1)", "+1", "-1", "@x"}) {
     site.flight_name = name;
     CHECK(SplitRows(ExportSites("cup", {site}, {}), ',')[1][0] == "'" + name + " 1");
     site.summary = name;
