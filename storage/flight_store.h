@@ -73,9 +73,9 @@ class FlightStore {
   virtual FlightPage ListPage(size_t limit, std::optional<int64_t> before_number) const = 0;
   virtual int64_t Count() const = 0;
   virtual std::vector<std::string> ListWithQueuedFrames() const = 0;  // ids, oldest first
-  // Deletes the flight, and the images that no other flight needs. If forget_sites is true, also
-  // deletes its sites. False if there is no such flight.
-  virtual bool Delete(const std::string& flight_id, bool forget_sites) = 0;
+  // Deletes the flight, and the images that neither another flight nor a map needs. Its sites and
+  // maps stay (see EvaluationRows::deleted_flight). False if there is no such flight.
+  virtual bool Delete(const std::string& flight_id) = 0;
   // Removes the images that no other flight needs, and sets has_retired_images. False, and nothing
   // is changed, if a frame or a job waits for the engine, or if other servers share the database
   // and the flight or a frame of it arrived in the last ten minutes: one of them may be receiving

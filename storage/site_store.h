@@ -139,6 +139,8 @@ struct EvaluationRows {
   // Staged maps that come in force.
   std::vector<std::string> new_maps;
   std::vector<std::string> forgotten_maps;
+  // Deleted as by FlightStore::Delete.
+  std::optional<std::string> deleted_flight = {};
   // By site, of those of `sites` that have a map of their own.
   std::map<std::string, std::string> own_maps = {};
   // Told by the server that this one follows (ChangeRow::is_known_above).

@@ -174,11 +174,9 @@ void DeleteFlight(Service& service, const Call& call, httplib::Response& respons
   // What a flight left behind is forgotten also when the flight itself is gone. With organisations,
   // it may be what another one shares.
   if (!forget_sites || !service.config.organisations.empty()) ExistingFlight(service, call);
-  const bool has_left = forget_sites && ForgetFlight(service.storage, service.maps, id);
-  if (!has_left) ExistingFlight(service, call);
-  service.storage.flights.Delete(id, false);
-  // Those that a worker stored meanwhile; without its flight it stores no more.
-  if (forget_sites) ForgetFlight(service.storage, service.maps, id);
+  const bool was_there = forget_sites ? ForgetFlight(service.storage, service.maps, id)
+                                      : service.storage.flights.Delete(id);
+  if (!was_there) throw ApiError("NoSuchFlight", "there is no such flight");
   service.alternates.Forget(id);
   if (forget_sites) service.alternates.WakeAll();
   service.intake.wake_worker();

@@ -74,17 +74,25 @@ void Worker::TellHeld(const std::optional<std::string>& why) {
   });
 }
 
+void Worker::GoOn(RoomWait& room) {
+  if (!room.IsBegun()) return;
+  room.End();
+  if (--num_held_ == 0) TellHeld(std::nullopt);
+}
+
 bool Worker::StepWithRoom(bool (Worker::*step)(), RoomWait& room) {
-  if (room.IsBegun()) {
-    if (!room.IsOver()) return false;
-    room.End();
-    if (--num_held_ == 0) TellHeld(std::nullopt);
-  }
+  if (!room.MayTry()) return false;
+  if (room.HasMore()) GoOn(room);
   try {
-    return (this->*step)();
+    const bool has_worked = (this->*step)();
+    GoOn(room);
+    return has_worked;
   } catch (const StorageError& error) {
     if (error.fault != StorageFault::kFull) throw;
+    // What was only tried is held as before.
+    const bool is_held = room.IsBegun();
     room.Begin();
+    if (is_held) return false;
     ++num_held_;
     spdlog::error("worker: {}; {}", error.what(), RoomWait::kReason);
     TellHeld(RoomWait::kReason);

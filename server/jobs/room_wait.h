@@ -16,7 +16,8 @@ class RoomWait {
   // What a job that waits says.
   static constexpr char kReason[] = "the disk is full: the job goes on when there is room again";
 
-  // After `longest` it is over even if no more room shows: some may be free within the database.
+  // After `longest` it may be tried even if no more room shows: some may be free within the
+  // database.
   RoomWait(std::filesystem::path folder, std::chrono::seconds longest)
       : folder_(std::move(folder)), longest_(longest) {}
 
@@ -25,10 +26,8 @@ class RoomWait {
   void End() { full_.reset(); }
   bool IsBegun() const { return full_.has_value(); }
   // True if there is more room than when it began.
-  bool IsOver() const {
-    if (!full_ || Clock::now() - full_->since > longest_) return true;
-    return FreeBytes() > full_->free_bytes + kRoomBytes;
-  }
+  bool HasMore() const { return !full_ || FreeBytes() > full_->free_bytes + kRoomBytes; }
+  bool MayTry() const { return HasMore() || Clock::now() - full_->since > longest_; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -99,6 +99,8 @@ class Worker {
   void Repeat(bool (Worker::*step)());
   // Takes the step unless a full disk has ended the last one and there is no more room since.
   bool StepWithRoom(bool (Worker::*step)(), RoomWait& room);
+  // The wait is over, if there was one.
+  void GoOn(RoomWait& room);
   // Tells the clients of all unfinished jobs that they are held, or go on.
   void TellHeld(const std::optional<std::string>& why);
 

@@ -345,7 +345,10 @@ bool ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id
   for (const FlightMapRow& map : storage.maps.ListOf(flight_id)) {
     rows.forgotten_maps.push_back(map.id);
   }
-  if (rows.forgotten_sites.empty() && rows.forgotten_maps.empty()) return false;
+  if (storage.flights.Find(flight_id)) rows.deleted_flight = flight_id;
+  if (rows.forgotten_sites.empty() && rows.forgotten_maps.empty() && !rows.deleted_flight) {
+    return false;
+  }
   StoreEvaluation(storage, maps, *turn, std::move(rows));
   return true;
 }

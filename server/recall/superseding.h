@@ -44,8 +44,8 @@ void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string
 // and stored in the same commit. False if there is no such site.
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id);
 
-// Deletes the flight's maps and sites, which may outlive the flight. The standings that depended on
-// them are computed again and stored in the same commit. False if there is none.
+// Deletes the flight with its maps and sites, which may have outlived it. The standings that
+// depended on them are computed again. All of it is one commit. False if there is none of them.
 bool ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id);
 
 // Checks the site if it was never checked, because an older program stored it.

@@ -24,6 +24,24 @@ FlightRow FlightRowOf(const PostgresRow& row) {
   return flight;
 }
 
+std::vector<std::string> ImagesOfFrames(PostgresConnection& writer, const std::string& flight_id) {
+  return writer
+      .Run(
+          "SELECT DISTINCT stored_image FROM frames WHERE flight_id = $1 "
+          "AND stored_image IS NOT NULL",
+          flight_id)
+      .Texts();
+}
+
+std::optional<std::vector<std::string>> DeleteFlightRow(PostgresConnection& writer,
+                                                        const std::string& flight_id) {
+  std::vector<std::string> images = ImagesOfFrames(writer, flight_id);
+  if (writer.Run("DELETE FROM flights WHERE id = $1", flight_id).NumChanges() == 0) {
+    return std::nullopt;
+  }
+  return images;
+}
+
 bool LockFlight(PostgresConnection& writer, const std::string& flight_id) {
   return !writer.Run("SELECT 1 FROM flights WHERE id = $1 FOR NO KEY UPDATE", flight_id).empty();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,11 @@ std::vector<std::string> LockFreeFlights(PostgresConnection& writer,
 bool ChangeFlight(PostgresConnection& writer,
                   const std::string& flight_id,
                   const FlightChange& change);
+// Those that the flight's frames name.
+std::vector<std::string> ImagesOfFrames(PostgresConnection& writer, const std::string& flight_id);
+// The same; nothing if there is no such flight.
+std::optional<std::vector<std::string>> DeleteFlightRow(PostgresConnection& writer,
+                                                        const std::string& flight_id);
 // Least allowed arrived_at_us of the next row or frame of each locked flight.
 std::map<std::string, int64_t> NextArrivalsOf(PostgresConnection& writer,
                                               const std::vector<std::string>& flight_ids);

@@ -40,25 +40,6 @@ FlightSummary SummaryOf(const PostgresRow& row) {
   return summary;
 }
 
-std::vector<std::string> ImagesOfFrames(PostgresConnection& writer, const std::string& flight_id) {
-  return writer
-      .Run(
-          "SELECT DISTINCT stored_image FROM frames WHERE flight_id = $1 "
-          "AND stored_image IS NOT NULL",
-          flight_id)
-      .Texts();
-}
-
-std::vector<std::string> ImagesOfPhotoTiles(PostgresConnection& writer,
-                                            const std::string& flight_id) {
-  return writer
-      .Run(
-          "SELECT DISTINCT sha256 FROM photo_tiles JOIN maps ON maps.id = map_id "
-          "WHERE flight_id = $1",
-          flight_id)
-      .Texts();
-}
-
 }  // namespace
 
 void PostgresFlightStore::Insert(const FlightRow& flight) {
@@ -159,22 +140,15 @@ bool PostgresFlightStore::RetireImages(const std::string& flight_id) {
   return true;
 }
 
-bool PostgresFlightStore::Delete(const std::string& flight_id, bool forget_sites) {
-  std::vector<std::string> images;
+bool PostgresFlightStore::Delete(const std::string& flight_id) {
+  std::optional<std::vector<std::string>> images;
   {
     PostgresWrite writer(state_);
-    images = ImagesOfFrames(*writer, flight_id);
-    if (writer->Run("DELETE FROM flights WHERE id = $1", flight_id).NumChanges() == 0) return false;
-    if (forget_sites) {
-      StepSites(*writer);
-      const std::vector<std::string> photos = ImagesOfPhotoTiles(*writer, flight_id);
-      images.insert(images.end(), photos.begin(), photos.end());
-      writer->Run("DELETE FROM sites WHERE flight_id = $1", flight_id);
-      writer->Run("DELETE FROM maps WHERE flight_id = $1", flight_id);
-    }
+    images = DeleteFlightRow(*writer, flight_id);
+    if (!images) return false;
     writer.Commit();
   }
-  RemoveUnusedImages(state_, images);
+  RemoveUnusedImages(state_, *images);
   return true;
 }
 

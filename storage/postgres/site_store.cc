@@ -4,6 +4,7 @@
 
 #include "storage/boxes.h"
 #include "storage/postgres/area_rows.h"
+#include "storage/postgres/flight_rows.h"
 #include "storage/postgres/images.h"
 #include "storage/postgres/site_rows.h"
 #include "storage/postgres/state.h"
@@ -72,7 +73,7 @@ class PostgresSiteTurn final : public SiteTurn {
 
 void PostgresSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   PostgresWrite& writer = *writer_;
-  const std::vector<std::string> images = PhotosOf(*writer, rows.forgotten_maps);
+  std::vector<std::string> images = PhotosOf(*writer, rows.forgotten_maps);
   for (const std::string& id : rows.forgotten_sites) DeleteSite(*writer, id);
   for (const std::string& id : rows.forgotten_maps) {
     writer->Run("DELETE FROM maps WHERE id = $1", id);
@@ -82,6 +83,10 @@ void PostgresSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings
   }
   for (const SiteRow& site : rows.sites) PutSite(*writer, site, OwnMapIn(rows, site.id));
   PutSiteStandings(*writer, others);
+  if (rows.deleted_flight) {
+    const auto of_frames = DeleteFlightRow(*writer, *rows.deleted_flight);
+    if (of_frames) images.insert(images.end(), of_frames->begin(), of_frames->end());
+  }
   End();
   RemoveUnusedImages(state_, images);
 }

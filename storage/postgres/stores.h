@@ -28,7 +28,7 @@ class PostgresFlightStore final : public FlightStore {
   FlightPage ListPage(size_t limit, std::optional<int64_t> before_number) const override;
   int64_t Count() const override;
   std::vector<std::string> ListWithQueuedFrames() const override;
-  bool Delete(const std::string& flight_id, bool forget_sites) override;
+  bool Delete(const std::string& flight_id) override;
   bool RetireImages(const std::string& flight_id) override;
   void ReplaceRegions(const std::string& flight_id, const std::vector<RegionRow>& regions) override;
   std::vector<RegionRow> ListRegions(const std::string& flight_id) const override;

@@ -81,6 +81,14 @@ std::vector<std::string> OwnImages(const Connection& writer, const std::string& 
 
 }  // namespace
 
+std::optional<std::vector<std::string>> DeleteFlightRow(const Connection& writer,
+                                                        const std::string& flight_id) {
+  std::vector<std::string> images = OwnImages(writer, flight_id);
+  writer.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
+  if (writer.NumChanges() == 0) return std::nullopt;
+  return images;
+}
+
 bool ChangeFlightRow(const Connection& writer,
                      const std::string& flight_id,
                      const FlightChange& change) {
@@ -197,24 +205,14 @@ bool SqliteFlightStore::RetireImages(const std::string& flight_id) {
   return true;
 }
 
-bool SqliteFlightStore::Delete(const std::string& flight_id, bool forget_sites) {
+bool SqliteFlightStore::Delete(const std::string& flight_id) {
   const auto lock = state_.LockForWriting();
-  std::vector<std::string> images;
-  bool was_there = false;
-  state_.WriteSites([&](const Connection& connection) {
-    images = OwnImages(connection, flight_id);
-    connection.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
-    was_there = connection.NumChanges() > 0;
-    if (!was_there || !forget_sites) return;
-    std::vector<std::string> maps;
-    for (const FlightMapRow& map : ListMapRowsOf(connection, flight_id)) maps.push_back(map.id);
-    const std::vector<std::string> photos = OwnPhotoFiles(connection, maps);
-    images.insert(images.end(), photos.begin(), photos.end());
-    DeleteSiteRowsOf(connection, flight_id);
-    DeleteMapRowsOf(connection, flight_id);
-  });
-  for (const std::string& sha256 : images) state_.images.Remove(sha256);
-  return was_there;
+  Transaction transaction(state_.writer);
+  const auto images = DeleteFlightRow(state_.writer, flight_id);
+  if (!images) return false;
+  transaction.Commit();
+  for (const std::string& sha256 : *images) state_.images.Remove(sha256);
+  return true;
 }
 
 void SqliteFlightStore::ReplaceRegions(const std::string& flight_id,

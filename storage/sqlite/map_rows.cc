@@ -108,10 +108,6 @@ void DeleteMapRow(const Connection& writer, const std::string& map_id) {
   writer.Prepare("DELETE FROM maps WHERE id = ?1").Bind(map_id).Run();
 }
 
-void DeleteMapRowsOf(const Connection& writer, const std::string& flight_id) {
-  writer.Prepare("DELETE FROM maps WHERE flight_id = ?1").Bind(flight_id).Run();
-}
-
 void DeleteUnfinishedMaps(const Connection& writer) {
   {
     // Usually there is none, and nothing is written.

@@ -22,7 +22,6 @@ void PutPhotoTileRows(const Connection& writer,
 void PutMapInForce(const Connection& writer, const std::string& map_id);
 // With its tiles.
 void DeleteMapRow(const Connection& writer, const std::string& map_id);
-void DeleteMapRowsOf(const Connection& writer, const std::string& flight_id);
 void DeleteUnfinishedMaps(const Connection& writer);
 void DeletePhotoTileRowsOf(const Connection& writer, const std::string& flight_id);
 

@@ -318,12 +318,6 @@ bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
   return writer.NumChanges() > 0;
 }
 
-void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id) {
-  for (const SiteRow& site : ListSiteRows(writer, flight_id, std::nullopt)) {
-    DeleteSiteRows(writer, site.id);
-  }
-}
-
 void MendSiteBoxes(const Connection& writer) {
   std::map<int64_t, BoundingBox> mended;
   {

@@ -37,7 +37,6 @@ BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingB
 // Also deletes the site's R*Tree row, because an R*Tree has no foreign keys. True if the site
 // existed.
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
-void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
 
 // Mends boxes that older programs stored for maps across the antimeridian.
 void MendSiteBoxes(const Connection& writer);

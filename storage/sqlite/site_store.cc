@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "storage/sqlite/flight_rows.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
@@ -52,7 +53,7 @@ class SqliteSiteTurn final : public SiteTurn {
 
 void SqliteSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   const auto lock = state_.LockForWriting();
-  const std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
+  std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
   const auto write = [&](const Connection& connection) {
     for (const std::string& id : rows.forgotten_sites) DeleteSiteRows(connection, id);
     for (const std::string& id : rows.forgotten_maps) DeleteMapRow(connection, id);
@@ -62,6 +63,9 @@ void SqliteSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& 
     }
     PutStandings(connection, others);
     SetSitesUnknownAbove(connection, rows.sites_unknown_above);
+    if (!rows.deleted_flight) return;
+    const auto images = DeleteFlightRow(connection, *rows.deleted_flight);
+    if (images) files.insert(files.end(), images->begin(), images->end());
   };
   state_.WriteSites(write, rows.is_from_above ? Teller::kAbove : Teller::kThisServer);
   turn_.unlock();

@@ -146,6 +146,40 @@ TEST_CASE("full disk: a finish stops with the reason, and goes on when there is 
   CHECK_FALSE(ended["detail"].contains("message"));
 }
 
+TEST_CASE("full disk: frames that wait for room are held all the time, tried or not") {
+  const TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk", "60m");
+  if (!disk.is_mounted()) {
+    MESSAGE("skipped: this process may not mount a small file system");
+    return;
+  }
+  Config config = TestConfig(folder.path() / "disk/data");
+  config.model = RealModel();
+  const TestServer server(config);
+  httplib::Client client = server.Client();
+  PostSampleFlight(client, 0, kNumSampleFrames);
+  disk.Fill(0);
+  const std::string job = GetJson(client, "/v1/jobs")["jobs"][0]["id"];
+  const auto is_held = [&] { return GetJson(client, "/v1/jobs/" + job)["detail"].contains("message"); };
+  const auto begin = std::chrono::steady_clock::now();
+  while (!is_held() && std::chrono::steady_clock::now() - begin < std::chrono::minutes(1)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  // Longer than two times between tries.
+  int num_views = 0, num_held = 0;
+  const auto since = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - since < std::chrono::seconds(5)) {
+    ++num_views;
+    num_held += is_held() ? 1 : 0;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  CHECK(num_held == num_views);
+  disk.MakeRoom();
+  const nlohmann::json ended = AwaitJob(client, job);
+  CHECK(ended["state"] == "done");
+  CHECK_FALSE(ended["detail"].contains("message"));
+}
+
 TEST_CASE("full disk: a file that cannot grow is 507 too, without any privilege to test it") {
   const TemporaryFolder folder;
   ChildOptions options{folder.path()};

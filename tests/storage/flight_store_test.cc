@@ -26,8 +26,8 @@ TEST_CASE(
   storage.frames.Insert("f", {SomeFrame("f", "one"), own}, SomeJob("j", "f"));
   storage.frames.Insert("g", {SomeFrame("g", "one")});
   storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
-  CHECK(storage.flights.Delete("f", false));
-  CHECK_FALSE(storage.flights.Delete("f", false));
+  CHECK(storage.flights.Delete("f"));
+  CHECK_FALSE(storage.flights.Delete("f"));
   CHECK(storage.frames.List("f").empty());
   CHECK_FALSE(storage.jobs.Find("j"));
   CHECK(storage.images.Read(kImage) == "shared");
@@ -63,12 +63,19 @@ TEST_CASE("flight store: pages list every flight once, newest first, with its nu
   CHECK_FALSE(storage.flights.FindSummary("d"));
 }
 
-TEST_CASE("flight store: deleting a flight forgets its sites when asked") {
+TEST_CASE("flight store: a flight goes with its sites, and with the images of both, in one commit") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
-  CHECK(storage.flights.Delete("f", true));
+  storage.images.Write(kImage, "of a frame");
+  storage.frames.Insert("f", {SomeFrame("f", "one")}, SomeJob("j", "f"));
+  EvaluationRows rows;
+  rows.forgotten_sites = {"f-r3"};
+  rows.deleted_flight = "f";
+  storage.sites.PutEvaluation(rows, {});
+  CHECK_FALSE(storage.flights.Find("f"));
+  CHECK_FALSE(storage.images.Read(kImage));
   CHECK_FALSE(storage.sites.Find("f-r3"));
   CHECK_FALSE(storage.sites.ReadMap("f-r3"));
 }

@@ -81,7 +81,11 @@ TEST_CASE("maps: they outlive their flight unless its sites are forgotten") {
     storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
     storage.images.RemoveUnused("ab01");
     CHECK(storage.images.Read("ab01") == "picture");
-    CHECK(storage.flights.Delete("f", forget));
+    EvaluationRows rows;
+    rows.deleted_flight = "f";
+    if (forget) rows.forgotten_maps = {"f/1"};
+    storage.sites.PutEvaluation(rows, {});
+    CHECK_FALSE(storage.flights.Find("f"));
     CHECK(storage.maps.ListOf("f").empty() == forget);
     CHECK(storage.images.Read("ab01").has_value() != forget);
   }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <future>
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <thread>
 #include <utility>
-
-#include <opencv2/core.hpp>
+#include <vector>
 
 namespace freelsd {
 namespace {
@@ -206,13 +208,22 @@ Insurance RouteJudge::Insure(const std::vector<GeoPoint>& route, const Insurance
   const std::vector<RouteMoment> moments = MomentsOf(route);
   Insurance insurance;
   insurance.moments.resize(moments.size());
-  cv::parallel_for_({0, static_cast<int>(moments.size())}, [&](const cv::Range& range) {
-    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+  std::atomic<size_t> next = 0;
+  const auto judge = [&] {
+    for (size_t i = next++; i < moments.size(); i = next++) {
       const bool is_known =
           i < known.moments.size() && IsSameState(known.moments[i].moment, moments[i]);
       insurance.moments[i] = is_known ? known.moments[i] : Judge(moments[i]);
     }
-  });
+  };
+  // Threads of its own have the priority of the caller; those of cv::parallel_for_ that of whoever
+  // came first. One processor is left to emergencies.
+  std::vector<std::future<void>> others;
+  for (unsigned i = 2; i < std::thread::hardware_concurrency(); ++i) {
+    others.push_back(std::async(std::launch::async, judge));
+  }
+  judge();
+  for (std::future<void>& each : others) each.get();
   insurance.gaps = GapsOf(insurance.moments);
   return insurance;
 }

@@ -340,7 +340,7 @@ TEST_CASE("alternates: new, changed and superseded sites count at once, also of 
   free.is_checked = true;
   storage.sites.Delete("g-r1", {{"f-r1", free}});
   CHECK(ids() == std::vector<std::string>{"f-r1"});
-  storage.flights.Delete("x", false);
+  storage.flights.Delete("x");
   alternates.Forget("x");
   CHECK(alternates.Answer("x").empty());
 }

@@ -115,7 +115,7 @@ TEST_CASE("claims: only flights with work are claimed, and again after their rel
   CHECK(taken->flight_id == "f");
   CHECK(taken->num_lost == 0);
   CHECK(one.claims.ListClaimed() == std::vector<std::string>{"idle"});
-  CHECK(other.flights.Delete("f", false));
+  CHECK(other.flights.Delete("f"));
   CHECK(other.claims.ListClaimed().empty());
 }
 

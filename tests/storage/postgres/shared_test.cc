@@ -224,7 +224,7 @@ TEST_CASE("postgres: a stored frame has its image, while another process removes
       } catch (const StorageError&) {
         // The image was removed between the two calls; a client sends it again.
       }
-      if (who == 0) storage.flights.Delete(flight, true);
+      if (who == 0) storage.flights.Delete(flight);
     }
   });
   CHECK(num_stored > 0);

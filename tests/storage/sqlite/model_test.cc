@@ -219,12 +219,22 @@ class Machine {
     Try(
         "delete flight " + id,
         [&] {
-          const bool was_there = storage_->flights.Delete(id, forget_sites);
-          CHECK(was_there == is_there);
+          if (!forget_sites) {
+            const bool was_there = storage_->flights.Delete(id);
+            CHECK(was_there == is_there);
+            return;
+          }
+          EvaluationRows rows;
+          rows.deleted_flight = id;
+          rows.forgotten_sites = {"s" + id.substr(1)};
+          for (const FlightMapRow& map : storage_->maps.ListOf(id)) {
+            rows.forgotten_maps.push_back(map.id);
+          }
+          storage_->sites.PutEvaluation(rows, {});
         },
         [&] {
           ForgetFlight(id);
-          if (!forget_sites || !is_there) return;
+          if (!forget_sites) return;
           Forget("s" + id.substr(1));
           std::erase_if(model_.maps, [&](const auto& map) { return map.first.starts_with(id); });
         });
