@@ -219,17 +219,15 @@ double GreatestReach(const EmergencyRequest& request,
   return std::min(kMaxReachM, reach_m + kPlanShiftM + kMapHalfSizeM);
 }
 
-bool IsBetter(double margin_a,
-              bool landable_a,
+bool IsBetter(const PlannedRank& rank_a,
               const RecallCandidate& a,
-              double margin_b,
-              bool landable_b,
+              const PlannedRank& rank_b,
               const RecallCandidate& b) {
-  if (IsDoubted(a) != IsDoubted(b)) return IsDoubted(b);
-  if (MarginStep(margin_a) != MarginStep(margin_b)) {
-    return MarginStep(margin_a) > MarginStep(margin_b);
+  if (rank_a.is_doubted != rank_b.is_doubted) return rank_b.is_doubted;
+  if (MarginStep(rank_a.margin_m) != MarginStep(rank_b.margin_m)) {
+    return MarginStep(rank_a.margin_m) > MarginStep(rank_b.margin_m);
   }
-  if (landable_a != landable_b) return landable_a;
+  if (rank_a.is_landable != rank_b.is_landable) return rank_a.is_landable;
   if (a.score != b.score) return a.score > b.score;
   if (a.age_s != b.age_s) return SortAgeS(a) < SortAgeS(b);
   if (a.row->data.score != b.row->data.score) return a.row->data.score > b.row->data.score;
@@ -238,11 +236,10 @@ bool IsBetter(double margin_a,
 }
 
 bool IsSurelyNotBetter(const RecallCandidate& candidate,
-                       double margin_of_reached,
-                       bool is_reached_landable,
+                       const PlannedRank& rank_of_reached,
                        const RecallCandidate& reached) {
-  return IsBetter(
-      margin_of_reached, is_reached_landable, reached, candidate.best_margin_m, true, candidate);
+  const PlannedRank best{IsDoubted(candidate), candidate.best_margin_m, true};
+  return IsBetter(rank_of_reached, reached, best, candidate);
 }
 
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,

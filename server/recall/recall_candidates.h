@@ -93,21 +93,26 @@ std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
 // are moved. Candidates out of reach come last.
 void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num);
 
+// What planning tells of a candidate's rank.
+struct PlannedRank {
+  // Another map doubts the site or this plan of it.
+  bool is_doubted = false;
+  double margin_m = 0.0;
+  bool is_landable = false;
+};
+
 // True if the candidate cannot rank before `reached`, which is an evaluated site in reach. For the
 // candidate the best case is assumed: its plan is landable, and its margin is best_margin_m.
 bool IsSurelyNotBetter(const RecallCandidate& candidate,
-                       double margin_of_reached,
-                       bool is_reached_landable,
+                       const PlannedRank& rank_of_reached,
                        const RecallCandidate& reached);
 
-// True if site `a` ranks before site `b` in an answer. Sites that another map doubts come last. The
+// True if site `a` ranks before site `b` in an answer. What another map doubts comes last. The
 // order is by arrival margin (in steps), then verdict, then score (reduced with age), then age,
 // then the score when stored, then distance.
-bool IsBetter(double margin_a,
-              bool landable_a,
+bool IsBetter(const PlannedRank& rank_a,
               const RecallCandidate& a,
-              double margin_b,
-              bool landable_b,
+              const PlannedRank& rank_b,
               const RecallCandidate& b);
 
 // --- Sites of an experiment: a flight whose memory is "none" ---

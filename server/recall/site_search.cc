@@ -47,6 +47,7 @@ std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
       glide->arrival_height_m - approach.approach_start_in_world.z() - request.arrival_height_m;
   return Reached{.margin_m = margin_m,
                  .margin_in_free_air_m = margin_m,
+                 .is_doubted = candidate.row->doubt || !plan->reject_detail.empty(),
                  .is_landable = plan->verdict == Verdict::kLandable && !candidate.row->doubt,
                  .landing = LandingOf(local_frame.GeoFromWorld(plan->touchdown_in_world),
                                       approach.heading,
@@ -72,12 +73,7 @@ bool IsInAirspace(const Ranked& ranked) { return !ranked.reached.path.obstacles.
 
 bool IsBefore(const Ranked& a, const Ranked& b) {
   if (IsInAirspace(a) != IsInAirspace(b)) return IsInAirspace(b);
-  return IsBetter(a.reached.margin_m,
-                  a.reached.is_landable,
-                  *a.candidate,
-                  b.reached.margin_m,
-                  b.reached.is_landable,
-                  *b.candidate);
+  return IsBetter(a.reached.Rank(), *a.candidate, b.reached.Rank(), *b.candidate);
 }
 
 // Planning a longer way costs more than the shortest one: only sites of the answer need it.
@@ -110,8 +106,7 @@ const Ranked* LastOf(const std::vector<Ranked>& reachable, size_t limit) {
 
 bool CanChange(const Ranked* last, const RecallCandidate& candidate) {
   return last == nullptr || IsInAirspace(*last) ||
-         !IsSurelyNotBetter(
-             candidate, last->reached.margin_m, last->reached.is_landable, *last->candidate);
+         !IsSurelyNotBetter(candidate, last->reached.Rank(), *last->candidate);
 }
 
 // Of two sites that are not reachable. Too much height can be lost by other means, too little is

@@ -21,6 +21,8 @@ struct Reached {
   double margin_m = 0.0;
   // The same if terrain and obstacles on the way are ignored.
   double margin_in_free_air_m = 0.0;
+  // By another map: the site, or this plan of it.
+  bool is_doubted = false;
   bool is_landable = false;
   Landing landing;
   // How the datums of the site and of the terrain below the way were compared.
@@ -31,6 +33,7 @@ struct Reached {
 
   // Neither is height missing, nor is more left at the start of the final than the final can lose.
   bool IsReachable() const;
+  PlannedRank Rank() const { return {is_doubted, margin_m, is_landable}; }
 };
 
 // Why no site is in reach, the least excuse first.

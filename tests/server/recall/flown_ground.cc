@@ -70,6 +70,9 @@ CellFound FindAt(const Flown& flown, const Eigen::Vector2d& from_middle) {
     case Ground::kHazardInDisc:
       if (IsWithin(from_middle, {7.0, 0.0}, 4.0)) cell.grass = 0.0;
       break;
+    case Ground::kHazardAside:
+      if (IsWithin(from_middle, {26.0, 0.0}, 4.0)) cell.grass = 0.0;
+      break;
     case Ground::kSlope:
       if (IsWithin(from_middle, {0.0, 0.0}, 6.0)) cell.slope = RadFromDeg(6.0);
       break;

@@ -43,6 +43,7 @@ Says OfPlan(Ground ground, bool is_strict_plan) {
   switch (ground) {
     case Ground::kFree:
     case Ground::kTreeAside:
+    case Ground::kHazardAside:
       return Says::kHolds;
     case Ground::kSlope:
       return is_strict_plan ? Says::kDoubts : Says::kHolds;

@@ -184,6 +184,27 @@ TEST_CASE("memory: a doubted site ranks behind a sure one in lists, exports and 
   CHECK((*doubted)["warnings"].dump().find(kLaterText) != std::string::npos);
 }
 
+TEST_CASE("memory: a plan that is doubted only as it is asked for ranks behind a sure one") {
+  Flown better = First();
+  better.flight_id = "better";
+  better.place = kPlace + 1;
+  const FieldServer field({First(), Later(Ground::kHazardAside), better});
+  CHECK_FALSE(field.Site("first-r1").contains("doubted_by"));
+  // Nearer to the aircraft.
+  const std::string recall =
+      "/v1/emergency?latitude_deg=47.04&longitude_deg=8&altitude_m=2500&heading_deg=0"
+      "&wind_east_mps=0&wind_north_mps=-4";
+  CHECK(GetJson(*field.client, recall)["sites"][0]["site_id"] == "first-r1");
+  const nlohmann::json sites =
+      GetJson(*field.client, recall + "&touchdown_uncertainty_m=25")["sites"];
+  CAPTURE(sites.dump());
+  CHECK(sites[0]["site_id"] != "first-r1");
+  CHECK(sites[0]["verdict"] == "landable");
+  CHECK(sites.back()["site_id"] == "first-r1");
+  CHECK(sites.back()["verdict"] == "unverified");
+  CHECK(sites.back()["warnings"].dump().find("not recognised") != std::string::npos);
+}
+
 TEST_CASE("memory: flights may arrive in any order") {
   const Flown first = First(), blocked = Later(Ground::kTreeOnFinal);
   const Flown free = Later(Ground::kFree, "latest", kLatest);
