@@ -103,13 +103,15 @@ void NoticeBoard::Raise(const std::string& text, bool is_lasting) {
   Notice notice;
   notice.text = Readable(text);
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard disk_lock(disk_mutex_);
     notice.raised_at_us = NowUs();
     for (const Raised& each : raised_) {
       notice.raised_at_us = std::max(notice.raised_at_us, each.notice.raised_at_us + 1);
     }
     notice.id = std::to_string(notice.raised_at_us);
-    raised_.push_back({notice, is_lasting && Write(notice.id, notice.text)});
+    const bool is_on_disk = is_lasting && Write(notice.id, notice.text);
+    const std::lock_guard lock(mutex_);
+    raised_.push_back({notice, is_on_disk});
   }
   if (log_) log_(notice.text);
 }
@@ -123,7 +125,7 @@ std::vector<Notice> NoticeBoard::List() const {
 }
 
 bool NoticeBoard::Acknowledge(const std::string& id) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard disk_lock(disk_mutex_);
   const auto found = std::find_if(
       raised_.begin(), raised_.end(), [&id](const Raised& each) { return each.notice.id == id; });
   if (found == raised_.end()) return false;
@@ -136,6 +138,7 @@ bool NoticeBoard::Acknowledge(const std::string& id) {
     if (error) throw StorageError("acknowledge a notice", error.message());
     SyncFolder(folder_);
   }
+  const std::lock_guard lock(mutex_);
   found->notice.acknowledged_at_us = now_us;
   return true;
 }

@@ -49,7 +49,9 @@ class NoticeBoard {
 
   std::filesystem::path folder_;
   std::function<void(const std::string&)> log_;
-  // Guards raised_ and the folder.
+  // Guards the folder. Who changes raised_ holds both mutexes, this one first; who only reads it
+  // waits for no disk.
+  std::mutex disk_mutex_;
   mutable std::mutex mutex_;
   std::vector<Raised> raised_;
 };
