@@ -93,7 +93,7 @@ class Model {
  public:
   void Put(const Flown& flown) { stored_[IdOf(flown)] = flown; }
   void Delete(const std::string& id) { stored_.erase(id); }
-  // True if anything was left of the flight.
+  // True if a site of the flight was left.
   bool ForgetFlight(const std::string& flight_id) {
     return std::erase_if(stored_,
                          [&](const auto& site) { return site.second.flight_id == flight_id; }) > 0;
@@ -252,7 +252,10 @@ class Walk {
       model_.Delete(id);
     } else if (choice < 97) {
       const std::string id = FlightNumber(Draw(kNumFlights + kNumInexactFlights)).flight_id;
-      CHECK(ForgetFlight(*storage_, *maps_, id) == model_.ForgetFlight(id));
+      const bool is_stored = storage_->flights.Find(id).has_value();
+      const bool is_left = model_.ForgetFlight(id);
+      CHECK(ForgetFlight(*storage_, *maps_, id) == (is_stored || is_left));
+      CHECK_FALSE(storage_->flights.Find(id));
     } else {
       storage_.reset();
       Open();
