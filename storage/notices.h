@@ -49,9 +49,10 @@ class NoticeBoard {
 
   std::filesystem::path folder_;
   std::function<void(const std::string&)> log_;
-  // Guards the folder. Who changes raised_ holds both mutexes, this one first; who only reads it
-  // waits for no disk.
+  // Guards the folder. Taken before mutex_, and by all who change raised_: who only reads waits for
+  // no disk.
   std::mutex disk_mutex_;
+  // Guards raised_.
   mutable std::mutex mutex_;
   std::vector<Raised> raised_;
 };

@@ -160,7 +160,9 @@ TEST_CASE("full disk: frames that wait for room are held all the time, tried or 
   PostSampleFlight(client, 0, kNumSampleFrames);
   disk.Fill(0);
   const std::string job = GetJson(client, "/v1/jobs")["jobs"][0]["id"];
-  const auto is_held = [&] { return GetJson(client, "/v1/jobs/" + job)["detail"].contains("message"); };
+  const auto is_held = [&] {
+    return GetJson(client, "/v1/jobs/" + job)["detail"].contains("message");
+  };
   const auto begin = std::chrono::steady_clock::now();
   while (!is_held() && std::chrono::steady_clock::now() - begin < std::chrono::minutes(1)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));

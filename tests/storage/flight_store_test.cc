@@ -63,7 +63,8 @@ TEST_CASE("flight store: pages list every flight once, newest first, with its nu
   CHECK_FALSE(storage.flights.FindSummary("d"));
 }
 
-TEST_CASE("flight store: a flight goes with its sites, and with the images of both, in one commit") {
+TEST_CASE(
+    "flight store: a flight goes with its sites, and with the images of both, in one commit") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));

@@ -19,7 +19,7 @@ enum class Ground {
   kTreeAside,  // below no part of the plan
   kDiscUnseen,
   kDiscUnseenTree,  // and a tree on the final
-  kHazardAside  // no grass is recognised 26 m from the touchdown, outside the disc
+  kHazardAside      // no grass is recognised 26 m from the touchdown, outside the disc
 };
 
 // What a flight says of the field.
