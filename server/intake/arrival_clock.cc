@@ -25,13 +25,14 @@ constexpr int64_t kMaxJitterUs = int64_t{2} * 1000000;
 // A chain sets the clock if it has samples that arrived in so many different seconds.
 constexpr int kMinNumSeconds = 5;
 
-// Nothing if one of the clocks was never set.
+// Nothing if the server's clock was never set. Of an aircraft's clock that was never set, or that
+// shows another day, delays tell the order only.
 std::optional<int64_t> DelayUs(const ArrivedSample& sample) {
-  if (sample.arrived_at_us < kFirstPlausibleUs || sample.timestamp_us < kFirstPlausibleUs) {
-    return std::nullopt;
-  }
+  if (sample.arrived_at_us < kFirstPlausibleUs) return std::nullopt;
   return sample.arrived_at_us - sample.timestamp_us;
 }
+
+bool IsOfAnotherDay(int64_t delay_us) { return std::abs(delay_us) > kMaxDelayUs; }
 
 // Samples in the order of their arrival, each with about the delay of the one before.
 struct Chain {
@@ -48,6 +49,8 @@ struct Chain {
     last_delay_us = delay_us;
     least_delay_us = std::min(least_delay_us, delay_us);
   }
+  bool Lasts() const { return num_seconds >= kMinNumSeconds; }
+  bool AgreesWithServer() const { return std::abs(least_delay_us) <= kMaxClockErrorUs; }
   int64_t JumpTo(int64_t delay_us) const { return std::abs(delay_us - last_delay_us); }
   // Greatest for the most evidence; of as much, for the clock that is nearest to the server's.
   auto Evidence() const { return std::tuple(num_seconds, num_samples, -std::abs(least_delay_us)); }
@@ -75,9 +78,17 @@ std::vector<Chain> ChainsOf(std::vector<ArrivedSample> arrivals) {
 
 // Nothing arrives before it was taken, so of the chains that last, the soonest tells the clocks'
 // difference: in the others the link was late. A chain that is much shorter than another one is of
-// times that were wrong for a while.
-std::optional<int64_t> DifferenceUs(const std::vector<Chain>& chains) {
+// times that were wrong for a while. So is one that is far ahead of the server's clock, if another
+// one agrees with it: no link is late by just what a clock is ahead.
+std::optional<int64_t> DifferenceUs(std::vector<Chain> chains) {
   if (chains.empty()) return std::nullopt;
+  const bool has_agreement = std::any_of(chains.begin(), chains.end(), [](const Chain& chain) {
+    return chain.Lasts() && chain.AgreesWithServer();
+  });
+  if (has_agreement) {
+    std::erase_if(chains,
+                  [](const Chain& chain) { return chain.least_delay_us < -kMaxClockErrorUs; });
+  }
   const Chain* told =
       &*std::max_element(chains.begin(), chains.end(), [](const Chain& a, const Chain& b) {
         return a.Evidence() < b.Evidence();
@@ -87,8 +98,11 @@ std::optional<int64_t> DifferenceUs(const std::vector<Chain>& chains) {
     const bool is_sooner = chain.least_delay_us < told->least_delay_us;
     if (is_sooner && chain.num_seconds >= num_needed) told = &chain;
   }
-  const bool is_of_another_day = std::abs(told->least_delay_us) > kMaxDelayUs;
-  return is_of_another_day ? std::nullopt : std::optional(told->least_delay_us);
+  if (told->Lasts()) return told->least_delay_us;
+  if (IsOfAnotherDay(told->least_delay_us)) return std::nullopt;
+  // A few samples far ahead set no clock, not even alone.
+  const bool is_lone = told->num_samples < kMinNumSeconds;
+  return is_lone ? std::max(told->least_delay_us, -kMaxClockErrorUs) : told->least_delay_us;
 }
 
 int64_t SinceBootUs() {
@@ -119,6 +133,12 @@ std::optional<double> FlightClock::AgeS(const ArrivedSample& sample, int64_t now
   const std::optional<double> since_arrival_s = freelsd::AgeS(sample.arrived_at_us, now_us);
   const std::optional<int64_t> delay_us = DelayUs(sample);
   if (!since_arrival_s || !delay_us || !difference_us_) return since_arrival_s;
+  if (IsOfAnotherDay(*difference_us_)) {
+    // Only how much later than the others it arrived is known, unless it is of another clock.
+    const int64_t later_us = *delay_us - *difference_us_;
+    if (IsOfAnotherDay(later_us)) return since_arrival_s;
+    return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, later_us)) * 1e-6;
+  }
   if (*delay_us < std::min<int64_t>(0, *difference_us_) - kMaxJitterUs) return std::nullopt;
   const int64_t error_us = *difference_us_ > kMaxClockErrorUs ? 0 : *difference_us_;
   return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;
@@ -128,7 +148,8 @@ std::optional<double> WindAgeS(const ArrivedSample& wind,
                                std::optional<double> age_s,
                                int64_t now_us) {
   const std::optional<int64_t> delay_us = DelayUs(wind);
-  if (!delay_us || *delay_us <= kMaxDelayUs) return age_s;
+  const bool was_clock_set = wind.timestamp_us >= kFirstPlausibleUs;
+  if (!was_clock_set || !delay_us || *delay_us <= kMaxDelayUs) return age_s;
   return static_cast<double>(now_us - wind.timestamp_us) * 1e-6;
 }
 

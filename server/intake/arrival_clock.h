@@ -27,7 +27,9 @@ struct ArrivedSample {
 
 // Ages of one flight's samples. A sample may arrive long after it was taken: a link delivers what
 // it kept during an outage. The sample's own time says so, if the aircraft's clock shows about the
-// server's time. A constant difference is an error of a clock, not a delay.
+// server's time. A constant difference is an error of a clock, not a delay. Of a clock that was
+// never set, or that shows another day, only the order of samples is known, and how far apart they
+// are.
 class FlightClock {
  public:
   // `arrivals`: samples of the flight that arrived lately, in any order. Samples whose delays
@@ -40,8 +42,7 @@ class FlightClock {
   std::optional<double> AgeS(const ArrivedSample& sample, int64_t now_us) const;
 
  private:
-  // Arrival minus own time of the samples that arrive soonest. Nothing: the aircraft's clock was
-  // never set, or it shows another day.
+  // Arrival minus own time of the samples that arrive soonest. Nothing: too few samples tell it.
   std::optional<int64_t> difference_us_;
 };
 

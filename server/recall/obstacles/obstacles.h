@@ -97,7 +97,7 @@ struct Obstruction {
 // Nothing if the site was rejected anyway, or if its plan holds. Cached.
 std::optional<Obstruction> ObstructionOf(const StoredSites& stored, const SiteRow& site);
 // The row, its feature rejected if its plan meets an obstacle: verdict, reject_reason,
-// reject_detail, blocked_by, summary.
+// reject_detail, blocked_by, summary and why; what told how good it is, is null, its score 0.
 SiteRow AsObstructed(const StoredSites& stored, SiteRow site);
 
 // --- Ways through the air ---

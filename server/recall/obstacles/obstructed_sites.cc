@@ -51,6 +51,12 @@ SiteRow AsRejected(SiteRow site, const Obstruction& obstruction, const std::stri
   properties["reject_detail"] = obstruction.detail;
   if (!obstruction.obstacle_ids.empty()) properties["blocked_by"] = obstruction.obstacle_ids;
   properties["summary"] = "Rejected: " + by + obstruction.detail + ".";
+  properties["why"] = "Ranked last: " + by + obstruction.detail + ".";
+  // They were those of the ground without what rejects it.
+  properties["score"] = 0.0;
+  for (const char* const name : {"failure_probability", "failure_parts", "hazard_distance_m"}) {
+    properties[name] = nullptr;
+  }
   site.feature_json = feature.dump();
   return site;
 }

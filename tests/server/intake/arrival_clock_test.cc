@@ -58,7 +58,9 @@ TEST_CASE("flight clock: what arrives late is old, by its own time") {
 
 TEST_CASE("flight clock: a clock that is off by a minute makes no sample old, an hour does") {
   for (const double behind_s : {-3000.0, -60.0, 60.0}) {
-    CHECK(FlightClock({At(-behind_s, 0.0)}).AgeS(At(-behind_s, 0.0), kNowUs) == 0.0);
+    // Alone, one that is far ahead sets no clock.
+    const auto alone_s = FlightClock({At(-behind_s, 0.0)}).AgeS(At(-behind_s, 0.0), kNowUs);
+    CHECK(alone_s == (behind_s < -120.0 ? std::nullopt : std::optional(0.0)));
     const std::vector<ArrivedSample> live = Live(0, 60, behind_s);
     CHECK(FlightClock(live).AgeS(live.back(), kNowUs + 60 * kSecondUs) == 1.0);
   }
@@ -127,6 +129,35 @@ TEST_CASE(
   const auto back = [](int num_s) { return Live(0, 20) + Live(20, 20 + num_s, 100.0); };
   CHECK(age_s(back(30)) == doctest::Approx(100.0));
   CHECK(age_s(back(45)) == doctest::Approx(0.0));
+}
+
+TEST_CASE("one sample ahead: a clock far ahead that is set right counts after five seconds") {
+  for (const double ahead_s : {200.0, 3600.0, 80000.0}) {
+    for (const int num_wrong_s : {6, 15, 95}) {
+      INFO(num_wrong_s, " s of a clock that is ", ahead_s, " s ahead");
+      const auto with = [&](int num_good_s) {
+        return Live(0, num_wrong_s, -ahead_s) + Live(num_wrong_s, num_wrong_s + num_good_s);
+      };
+      const std::vector<ArrivedSample> arrivals = with(5);
+      const int64_t now_us = arrivals.back().arrived_at_us;
+      CHECK(FlightClock(arrivals).AgeS(arrivals.back(), now_us) == doctest::Approx(0.0));
+      CHECK_FALSE(FlightClock(arrivals).AgeS(arrivals.front(), now_us));
+      // Before, what it told last grows old.
+      const std::vector<ArrivedSample> few = with(4);
+      CHECK(FlightClock(few).AgeS(few.back(), few.back().arrived_at_us).value() > ahead_s - 1.0);
+    }
+  }
+}
+
+TEST_CASE("flight clock: of a clock that was never set, what was kept is older than what is live") {
+  for (const double behind_s : {2.0 * 86400.0, 1e-6 * kNowUs - 1000.0}) {
+    const std::vector<ArrivedSample> live = Live(0, 6, behind_s);
+    std::vector<ArrivedSample> kept;
+    for (int s = 0; s < 5; ++s) kept.push_back(At(s - 900.0 - behind_s, 6.0));
+    const FlightClock clock(live + kept);
+    CHECK(clock.AgeS(live.back(), kNowUs + 6 * kSecondUs) == doctest::Approx(1.0));
+    CHECK(clock.AgeS(kept.back(), kNowUs + 6 * kSecondUs) == doctest::Approx(901.5));
+  }
 }
 
 TEST_CASE("one sample ahead: where every time is another one, none is younger than its arrival") {

@@ -99,6 +99,11 @@ TEST_CASE("obstructed: a wire across the stored final rejects the site until it 
   CHECK(site["verdict"] == "rejected");
   CHECK(site["reject_reason"] == "approach_blocked");
   CHECK(site["blocked_by"] == nlohmann::json{"line"});
+  // Nothing of it reads like a good site.
+  CHECK(site["score"] == 0.0);
+  CHECK(site["failure_probability"].is_null());
+  CHECK(site["hazard_distance_m"].is_null());
+  CHECK(site["why"].get<std::string>().find("Ranked last: blocked by line") == 0);
   CHECK(field.ListedVerdict() == "rejected");
   CHECK_FALSE(field.IsRecalled());
   CHECK(field.StatusOf("/v1/sites/first-r1/approach") == 409);
