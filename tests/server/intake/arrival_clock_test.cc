@@ -153,6 +153,7 @@ TEST_CASE("flight clock: of a clock that was never set, what was kept is older t
   for (const double behind_s : {2.0 * 86400.0, 1e-6 * kNowUs - 1000.0}) {
     const std::vector<ArrivedSample> live = Live(0, 6, behind_s);
     std::vector<ArrivedSample> kept;
+    kept.reserve(5);
     for (int s = 0; s < 5; ++s) kept.push_back(At(s - 900.0 - behind_s, 6.0));
     const FlightClock clock(live + kept);
     CHECK(clock.AgeS(live.back(), kNowUs + 6 * kSecondUs) == doctest::Approx(1.0));
