@@ -63,7 +63,7 @@ std::vector<Walk> WalksOfFlights() {
           {"POST /v1/flights/{flight}/telemetry", flight + "/telemetry", 404, 0, "{}"},
           {"POST /v1/flights/{flight}/stream", flight + "/stream", 404, 0, "x"},
           {"PATCH /v1/flights/{flight}", "/v1/flights/north-flight", 404, 0, R"({"name":"a"})"},
-      {"DELETE /v1/flights/{flight}", flight + "?forget_sites=true", 404, 0},
+          {"DELETE /v1/flights/{flight}", flight + "?forget_sites=true", 404, 0},
           {"POST /v1/flights", "/v1/flights", 201, 0, R"({"name":"of the south"})"}};
 }
 
