@@ -324,7 +324,7 @@ ALTER TABLE maps ADD COLUMN seen_until_us INTEGER;
 
 // Up to version 10, an unknown time was stored as that of the evaluation. Those of maps come first.
 constexpr char kUnknownTimesOfSites[] = R"sql(
-UPDATE sites SET checksum = NULL, seen_until_us = updated_at_us, seen_at_us = coalesce(
+UPDATE sites SET checksum = NULL, seen_until_us = nullif(updated_at_us, 0), seen_at_us = coalesce(
   (SELECT seen_at_us FROM maps WHERE maps.id = map_id AND maps.seen_until_us IS NULL), 0)
 WHERE seen_at_us = updated_at_us;
 UPDATE sites SET seen_until_us = NULL WHERE seen_at_us > 0;
