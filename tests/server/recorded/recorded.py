@@ -139,8 +139,9 @@ class Part:
         with clock.server(folder / "asked") as server:
             server.await_idle()
             ids.feed = json.loads(server.get("/v1/changes?limit=1")[1]).get("feed", "").encode()
+            sites = sites_to_ask(server)
             for request in self.requests:
-                yield request, *ask(server, clock, request, ids, folder / "asked")
+                yield request, *ask(server, clock, request, ids, sites, folder / "asked")
             check(server.is_alive(), "the server ended")
             check(server.kill(signal.SIGTERM) == 0, "the server did not end well")
 
@@ -150,8 +151,20 @@ class Part:
         return folder / "data", ids
 
 
-def ask(server, clock, request, ids, data):
+def sites_to_ask(server):
+    """The first site of each sort, by the word that stands for it in a path."""
+    status, body = server.get("/v1/sites")
+    sites = {}
+    for feature in json.loads(body)["features"] if status == 200 else []:
+        word = "{rejected}" if feature["properties"]["verdict"] == "rejected" else "{best}"
+        sites.setdefault(word, feature["properties"]["id"])
+    return sites
+
+
+def ask(server, clock, request, ids, sites, data):
     method, path = request["ask"].split(" ", 1)
+    for word, site in sites.items():
+        path = path.replace(word, site)
     body = request.get("body")
     if body is not None and not isinstance(body, str):
         body = json.dumps(body)
