@@ -193,7 +193,9 @@ PARTS = {"demo": ("demo", DEMO_BEGIN_S, make_demo),
          "lost": ("lost", DEMO_BEGIN_S, make_demo, lose)}
 
 
-def why_skipped(name):
+def why_skipped(name, arguments):
+    if not arguments.write and not (arguments.answers / name).is_dir():
+        return "no answers are recorded: --write records them"
     if name != "real":
         return None
     folder = os.environ.get("FREELSD_DATA")
@@ -283,7 +285,7 @@ def main():
                             model=ROOT / "engine/classification/grass_model.yml", photographs=arguments.photographs)
     made, num_different = {}, 0
     for name in arguments.parts.split(","):
-        reason = why_skipped(name)
+        reason = why_skipped(name, arguments)
         if reason:
             print(f"SKIPPED: {name}: {reason}", flush=True)
             continue
