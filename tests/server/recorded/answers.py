@@ -7,7 +7,7 @@ import json
 import re
 import zipfile
 
-MAX_BYTES = 60000
+MAX_BYTES = 30000
 HEAD_LINES = 40
 LINE_WIDTH = 110
 HEADERS = ("Location", "Allow", "Retry-After", "Content-Disposition")
@@ -27,7 +27,15 @@ class Ids:
         """Of the same length, so that files with lengths in them stay what they are."""
         if self.feed:
             content = content.replace(self.feed, b"0" * len(self.feed))
-        return self.PATTERN.sub(self._number, content)
+        content = self.PATTERN.sub(self._number, content)
+        for actual, number in self.numbered.items():
+            content = content.replace(self.code_of(actual), self.code_of(number))
+        return content
+
+    @staticmethod
+    def code_of(name):
+        """As CUP files have it."""
+        return name.replace(b"-", b"").upper()
 
     def _number(self, match):
         found = match.group(0)

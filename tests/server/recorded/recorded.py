@@ -231,9 +231,9 @@ class Answers:
         if self.whole:
             (self.whole / name).write_bytes(whole)
         if self.is_written:
-            file.write_text(form)
+            file.write_bytes(form.encode())
             return True
-        recorded = file.read_text() if file.exists() else ""
+        recorded = file.read_bytes().decode() if file.exists() else ""
         if recorded == form:
             return True
         print(f"DIFFERENT {self.folder.name}/{name}: {request['ask']}", flush=True)
