@@ -129,9 +129,7 @@ void VisitCropFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("max_even_slope_deg",
         o.max_even_slope_deg,
         "largest slope of even grass, on which fences are searched for");
-  visit("max_even_roughness_m",
-        o.max_even_roughness_m,
-        "largest roughness of even grass");
+  visit("max_even_roughness_m", o.max_even_roughness_m, "largest roughness of even grass");
 }
 
 template <class Visitor>

@@ -113,8 +113,8 @@ struct CoverOptions {
   // Least fine detail of grass, as a share of its brightness. Green ground with less detail is
   // water with algae. 0: no search.
   double min_detail_ratio = 0.015;
-  // Grass counts as even up to these limits, which do not depend on the aircraft. Fences are searched
-  // for on even grass.
+  // Grass counts as even up to these limits, which do not depend on the aircraft. Fences are
+  // searched for on even grass.
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
   // Image segments may extend across soft borders into other ground. Therefore two mean colours are

@@ -25,8 +25,8 @@ struct SideData {
   std::vector<LocalPose> local_poses;
   // The same poses, with each quaternion read in the order x, y, z, w.
   std::vector<LocalPose> local_poses_w_last;
-  // Where the local frame is east, north, up in metres. Nothing: its scale and attitude are arbitrary
-  // and must be fitted to the geotags.
+  // Where the local frame is east, north, up in metres. Nothing: its scale and attitude are
+  // arbitrary and must be fitted to the geotags.
   std::optional<GeoPoint> local_origin;
 };
 

@@ -80,9 +80,8 @@ TEST_CASE("raised border: a hedge or a ditch around a meadow does not raise it")
 }
 
 TEST_CASE("raised border: a terrace stands above its lower side alone") {
-  CHECK(InTheMiddle(RatioOf([](int row, int) {
-          return row > kNumCells / 2 + kFieldHalf ? -1.5 : 0.0;
-        })) < 0.3f);
+  CHECK(InTheMiddle(RatioOf(
+            [](int row, int) { return row > kNumCells / 2 + kFieldHalf ? -1.5 : 0.0; })) < 0.3f);
 }
 
 TEST_CASE("raised border: what lies around must have been seen") {
