@@ -128,23 +128,8 @@ void VisitCropFields(Of<CoverOptions> auto& o, Visitor&& visit) {
       "min_detail_ratio", o.min_detail_ratio, "ground with less detail is water; 0: not detected");
   visit("max_even_slope_deg",
         o.max_even_slope_deg,
-        "largest slope of grass that may be a closed crop");
-  visit("max_even_roughness_m",
-        o.max_even_roughness_m,
-        "largest roughness of grass that may be a closed crop");
-  visit("border_ramp_m",
-        o.border_ramp_m,
-        "width left out at a crop's border, where stereo turns a step into a ramp");
-  visit("max_border_residual_m",
-        o.max_border_residual_m,
-        "largest residual of the two planes beside a usable border");
-  visit("min_raised_step_m",
-        o.min_raised_step_m,
-        "least height of a closed crop above its surroundings; 0: not detected");
-  visit("min_raised_border_m", o.min_raised_border_m, "least length of border with that step");
-  visit("min_raised_border_ratio",
-        o.min_raised_border_ratio,
-        "least share of that length in the border where both sides are even");
+        "largest slope of even grass, on which fences are searched for");
+  visit("max_even_roughness_m", o.max_even_roughness_m, "largest roughness of even grass");
 }
 
 template <class Visitor>

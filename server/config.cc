@@ -155,7 +155,6 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "max_num_open_flights", config.max_num_open_flights);
   Take(object, "num_alternates", config.num_alternates);
   Take(object, "recall_cache_mib", config.recall_cache_mib);
-  Take(object, "watches_strips", config.watches_strips);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
   Take(object, "max_image_age_days", config.max_image_age_days);
   Take(object, "max_stored_image_bytes", config.max_stored_image_bytes);

@@ -64,8 +64,6 @@ struct Config {
   int num_alternates = 3;
   // Memory for what recall keeps between answers: sites with their maps, terrain, plans.
   int recall_cache_mib = 384;
-  // Whether new photographs are compared with stored strips (0036: many false alarms).
-  bool watches_strips = false;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
   // If a limit is exceeded, images of idle flights are removed, oldest flight first. Sites are
   // kept. 0: no limit.

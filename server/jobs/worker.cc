@@ -242,31 +242,12 @@ void Worker::ApplyResults(const std::string& flight_id,
     told.state = state;
     told.reason = result.note;
     TellOfFrame(service, told);
-    if (result.is_processed && config_.watches_strips) WatchStrips(session, told);
     pace_[flight_id].AddFrame();
   });
   if (!IsEvaluationDue(flight_id, session)) return;
   pace_[flight_id].BeginEvaluation();
   due_.Add(flight_id);
   Wake();
-}
-
-void Worker::WatchStrips(FlightSession& session, const FrameRow& frame) {
-  Service& service = ServiceOf(frame.flight_id);
-  const std::optional<View> view = session.FindView(frame.id);
-  const std::optional<FlightRow> flight = service.storage.flights.Find(frame.flight_id);
-  const CaptureTime time = CaptureTimeOf(frame, ParseStoredFrameMeta(frame.resolved_json));
-  if (!view || !flight || !time.IsDated()) return;
-  const PlacedPhoto photo{frame.flight_id,
-                          frame.id,
-                          time.earliest_us,
-                          session.camera().With(view->readout),
-                          view->world_from_camera,
-                          session.origin(),
-                          AltitudeDatumOf(*flight)};
-  watching_.try_emplace(&service, service).first->second.Look(photo, [&] {
-    return StoredImages(service.intake, frame.flight_id)(frame.id);
-  });
 }
 
 bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& session) {
@@ -353,7 +334,6 @@ void Worker::Forget(const std::string& flight_id) {
   waiting_.erase(flight_id);
   stored_at_.erase(flight_id);
   pace_.erase(flight_id);
-  for (auto& [service, watching] : watching_) watching.Forget(flight_id);
 }
 
 // Fails the flight and its jobs. Other flights continue.

@@ -24,7 +24,6 @@
 #include "server/jobs/open_flights.h"
 #include "server/jobs/room_wait.h"
 #include "server/jobs/service.h"
-#include "server/jobs/watching/watching.h"
 
 namespace freelsd {
 
@@ -59,8 +58,6 @@ class Worker {
   // True while the frame may wait for telemetry that gives its position.
   bool MayWait(const FrameRow& frame);
   void TakeFrame(const std::string& flight_id, FlightSession& session, const PosedFrame& frame);
-  // Compares a photograph that was placed with the stored strips that it shows.
-  void WatchStrips(FlightSession& session, const FrameRow& frame);
   void ApplyResults(const std::string& flight_id,
                     FlightSession& session,
                     const std::vector<FrameResult>& results);
@@ -112,8 +109,6 @@ class Worker {
   Classifiers classifiers_;
   Claims claims_;
   OpenFlights open_flights_;
-  // By organisation. Only the frontend thread uses it.
-  std::map<Service*, StripWatching> watching_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<bool> is_evaluating_{false};
   // Each belongs to its thread. A step of the frontend is short.

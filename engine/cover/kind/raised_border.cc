@@ -1,4 +1,4 @@
-#include "engine/cover/raised_fields.h"
+#include "engine/cover/kind/raised_border.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +21,14 @@ constexpr double kOutlineM = 2.0;
 constexpr double kInnerEndM = 7.0;
 constexpr double kOuterEndM = 9.0;
 constexpr int kMinNumHeights = 4;
+// A border is raised where its step in height is at least this.
+constexpr double kMinRaisedStepM = 0.6;
+// Fields of which less border is known are not told.
+constexpr double kMinKnownBorderM = 30.0;
+// The step is known if two planes of one slope, one on each side, fit this well.
+constexpr double kMaxResidualM = 0.25;
+// A strip of this width outside is left out, because stereo turns the step into a ramp.
+constexpr double kRampM = 3.0;
 
 struct Border {
   double raised_m = 0.0;
@@ -43,7 +51,7 @@ bool IsEnough(const CrossSection& section) {
 
 // Height of the inside above the outside, with planes of one slope fitted to both sides; nothing
 // where the planes do not fit.
-std::optional<double> StepOf(const CrossSection& section, double max_residual_m) {
+std::optional<double> StepOf(const CrossSection& section) {
   const Eigen::Index n = std::ssize(section);
   Eigen::MatrixX3d design(n, 3);
   Eigen::VectorXd height(n);
@@ -54,7 +62,7 @@ std::optional<double> StepOf(const CrossSection& section, double max_residual_m)
   }
   const Eigen::Vector3d fit = design.colPivHouseholderQr().solve(height);
   const double residual = std::sqrt((design * fit - height).squaredNorm() / static_cast<double>(n));
-  if (residual > max_residual_m) return std::nullopt;
+  if (residual > kMaxResidualM) return std::nullopt;
   return fit[2];
 }
 
@@ -78,17 +86,17 @@ class Field {
     cv::Sobel(outline, south_, CV_32F, 0, 1);
   }
 
-  Border Measure(const CoverOptions& options) const {
+  Border Measure() const {
     Border border;
     for (int row = 0; row < cells_.rows; ++row) {
       for (int col = 0; col < cells_.cols; ++col) {
         if (!IsBorder(row, col)) continue;
-        const CrossSection section = Across(row, col, options.border_ramp_m);
+        const CrossSection section = Across(row, col);
         if (!IsEnough(section)) continue;
-        const std::optional<double> step = StepOf(section, options.max_border_residual_m);
+        const std::optional<double> step = StepOf(section);
         if (!step) continue;
         border.known_m += cell_;
-        if (*step >= options.min_raised_step_m) border.raised_m += cell_;
+        if (*step >= kMinRaisedStepM) border.raised_m += cell_;
       }
     }
     return border;
@@ -103,13 +111,13 @@ class Field {
                                    IsInside(row, col - 1) && IsInside(row, col + 1));
   }
 
-  CrossSection Across(int row, int col, double ramp_m) const {
+  CrossSection Across(int row, int col) const {
     CrossSection section;
     const Eigen::Vector2d inwards(east_(row, col), south_(row, col));
     if (!(inwards.norm() > 0.0)) return section;
     const Eigen::Vector2d outwards = -inwards.normalized();
     for (double d = -kInnerEndM; d <= kOuterEndM; d += cell_) {
-      if (d > 0.0 && d < ramp_m) continue;
+      if (d > 0.0 && d < kRampM) continue;
       const int r = row + static_cast<int>(std::lround(d * outwards.y() / cell_));
       const int c = col + static_cast<int>(std::lround(d * outwards.x() / cell_));
       if (r < 0 || r >= cells_.rows || c < 0 || c >= cells_.cols) continue;
@@ -126,13 +134,11 @@ class Field {
   cv::Mat1f east_, south_;
 };
 
-// Calls visit(box, cells, border) for every connected even piece without narrow necks.
-template <typename Visit>
-void VisitFields(const cv::Mat1b& is_even,
-                 const cv::Mat1f& elevation,
-                 double cell_size_m,
-                 const CoverOptions& options,
-                 Visit visit) {
+}  // namespace
+
+cv::Mat1f RaisedBorderRatio(const cv::Mat1b& is_even,
+                            const cv::Mat1f& elevation,
+                            double cell_size_m) {
   const int neck = 2 * static_cast<int>(0.5 * kNeckM / cell_size_m) + 1;
   cv::Mat1b wide;
   cv::morphologyEx(is_even != 0,
@@ -143,6 +149,7 @@ void VisitFields(const cv::Mat1b& is_even,
   cv::Mat1d middles;
   const int num_labels = cv::connectedComponentsWithStats(wide, labels, boxes, middles, 4, CV_32S);
   const int halo = static_cast<int>(std::ceil(kOuterEndM / cell_size_m)) + 1;
+  cv::Mat1f ratio(is_even.size(), std::numeric_limits<float>::quiet_NaN());
   for (int label = 1; label < num_labels; ++label) {
     cv::Rect box(boxes(label, cv::CC_STAT_LEFT) - halo,
                  boxes(label, cv::CC_STAT_TOP) - halo,
@@ -150,44 +157,11 @@ void VisitFields(const cv::Mat1b& is_even,
                  boxes(label, cv::CC_STAT_HEIGHT) + 2 * halo);
     box &= cv::Rect({}, is_even.size());
     const cv::Mat1b cells = labels(box) == label;
-    visit(box, cells, Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure(options));
+    const Border border = Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure();
+    if (border.known_m < kMinKnownBorderM) continue;
+    ratio(box).setTo(border.raised_m / border.known_m, cells);
   }
-}
-
-}  // namespace
-
-cv::Mat1f RaisedBorderRatio(const cv::Mat1b& is_even,
-                            const cv::Mat1f& elevation,
-                            double cell_size_m,
-                            const CoverOptions& options) {
-  cv::Mat1f ratio(is_even.size(), std::numeric_limits<float>::quiet_NaN());
-  VisitFields(is_even,
-              elevation,
-              cell_size_m,
-              options,
-              [&](const auto& box, const auto& cells, const auto& border) {
-                if (border.known_m < options.min_raised_border_m) return;
-                ratio(box).setTo(border.raised_m / border.known_m, cells);
-              });
   return ratio;
-}
-
-cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
-                       const cv::Mat1f& elevation,
-                       double cell_size_m,
-                       const CoverOptions& options) {
-  cv::Mat1b raised = cv::Mat1b::zeros(is_even.size());
-  VisitFields(is_even,
-              elevation,
-              cell_size_m,
-              options,
-              [&](const auto& box, const auto& cells, const auto& border) {
-                if (border.raised_m >= options.min_raised_border_m &&
-                    border.raised_m >= options.min_raised_border_ratio * border.known_m) {
-                  raised(box).setTo(255, cells);
-                }
-              });
-  return raised;
 }
 
 }  // namespace freelsd

@@ -1,5 +1,7 @@
-#include "engine/cover/raised_fields.h"
+#include "engine/cover/kind/raised_border.h"
 
+#include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 
@@ -43,61 +45,53 @@ cv::Mat1b Even() {
   return even;
 }
 
-cv::Mat1b RaisedOf(const HeightAt& stands, const CoverOptions& options = {}) {
-  return RaisedFields(Even(), Terrain(stands), 1.0, options);
+cv::Mat1f RatioOf(const HeightAt& stands) {
+  return RaisedBorderRatio(Even(), Terrain(stands), 1.0);
 }
 
-TEST_CASE("raised fields: a crop stands above all around it, on a slope too") {
-  const cv::Mat1b raised =
-      RaisedOf([](int row, int col) { return Within(row, col) > 0 ? 1.2 : 0.0; });
+float InTheMiddle(const cv::Mat1f& ratio) { return ratio(kNumCells / 2, kNumCells / 2); }
+
+TEST_CASE("raised border: a crop stands above all around it, on a slope too") {
+  const cv::Mat1f ratio =
+      RatioOf([](int row, int col) { return Within(row, col) > 0 ? 1.2 : 0.0; });
   for (int row = 0; row < kNumCells; ++row) {
     for (int col = 0; col < kNumCells; ++col) {
-      const int within = Within(row, col);
-      if (within > 5) CHECK(raised(row, col) == 255);
-      if (within < 0) CHECK(raised(row, col) == 0);
+      if (Within(row, col) > 5) CHECK(ratio(row, col) > 0.9f);
     }
   }
+  CHECK(std::isnan(ratio(kNumCells / 2 - kFieldHalf, kNumCells / 2)));
 }
 
-TEST_CASE("raised fields: level ground, a low crop and a hollow are none") {
+TEST_CASE("raised border: level ground, a low crop and a hollow have none") {
   for (const double height : {0.0, 0.4, -1.2}) {
     CAPTURE(height);
-    const cv::Mat1b raised =
-        RaisedOf([&](int row, int col) { return Within(row, col) > 0 ? height : 0.0; });
-    CHECK(cv::countNonZero(raised) == 0);
+    CHECK(InTheMiddle(RatioOf(
+              [&](int row, int col) { return Within(row, col) > 0 ? height : 0.0; })) == 0.0f);
   }
 }
 
-TEST_CASE("raised fields: a hedge or a ditch around a meadow does not raise it") {
+TEST_CASE("raised border: a hedge or a ditch around a meadow does not raise it") {
   for (const double height : {2.0, -1.0}) {
     CAPTURE(height);
-    const cv::Mat1b raised =
-        RaisedOf([&](int row, int col) { return std::abs(Within(row, col)) <= 1 ? height : 0.0; });
-    CHECK(cv::countNonZero(raised) == 0);
+    CHECK_FALSE(InTheMiddle(RatioOf([&](int row, int col) {
+                  return std::abs(Within(row, col)) <= 1 ? height : 0.0;
+                })) > 0.1f);
   }
 }
 
-TEST_CASE("raised fields: a terrace stands above its lower side alone, and is none") {
-  const cv::Mat1b raised =
-      RaisedOf([](int row, int) { return row > kNumCells / 2 + kFieldHalf ? -1.5 : 0.0; });
-  CHECK(cv::countNonZero(raised) == 0);
+TEST_CASE("raised border: a terrace stands above its lower side alone") {
+  CHECK(InTheMiddle(RatioOf(
+            [](int row, int) { return row > kNumCells / 2 + kFieldHalf ? -1.5 : 0.0; })) < 0.3f);
 }
 
-TEST_CASE("raised fields: what lies around must have been seen") {
+TEST_CASE("raised border: what lies around must have been seen") {
   cv::Mat1f elevation = Terrain([](int row, int col) { return Within(row, col) > 0 ? 1.2 : 0.0; });
   for (int row = 0; row < kNumCells; ++row) {
     for (int col = 0; col < kNumCells; ++col) {
       if (Within(row, col) < 1) elevation(row, col) = std::numeric_limits<float>::quiet_NaN();
     }
   }
-  CHECK(cv::countNonZero(RaisedFields(Even(), elevation, 1.0, {})) == 0);
-}
-
-TEST_CASE("raised fields: less than the asked length of border is chance") {
-  CoverOptions options;
-  options.min_raised_border_m = 4.0 * (2 * kFieldHalf + 1);
-  const HeightAt crop = [](int row, int col) { return Within(row, col) > 0 ? 1.2 : 0.0; };
-  CHECK(cv::countNonZero(RaisedOf(crop, options)) == 0);
+  CHECK(std::isnan(InTheMiddle(RaisedBorderRatio(Even(), elevation, 1.0))));
 }
 
 }  // namespace
