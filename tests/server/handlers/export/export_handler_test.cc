@@ -247,7 +247,7 @@ TEST_CASE("export: the plan of an unverified site warns of it before all else") 
 
 TEST_CASE("layers: grass is what the flight's own settings call grass, as in hazard") {
   const SitesServer sites([](Replan& replan) {
-    replan.flight = ParseFlightRequest(
+    replan.flight = ParseStoredFlightRequest(
         R"({"name":"strict","options":{"hazard":{"min_grass_posterior":0.999}}})");
   });
   const auto largest = [](const SitesServer& of) {
