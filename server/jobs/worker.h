@@ -30,7 +30,7 @@ namespace freelsd {
 
 class Worker {
  public:
-  Worker(Organisations& organisations, Classifiers classifiers);
+  Worker(Service& service, Classifiers classifiers);
   // Requires that Stop returned true.
   ~Worker();
   Worker(const Worker&) = delete;
@@ -90,10 +90,9 @@ class Worker {
   bool ReplayNext();
   void RunJob(JobRow& job, const std::function<nlohmann::json(const Progress& progress)>& work);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
-  bool TellProgress(Service& service, double done_ratio);
-  // Removes images of idle flights as the settings require, for each organisation alone.
+  bool TellProgress(double done_ratio);
+  // Removes images of idle flights as the settings require.
   void RetireImages();
-  void RetireImagesOf(Service& service);
 
   // Repeats a step while it finds work; waits otherwise.
   void Repeat(bool (Worker::*step)());
@@ -104,16 +103,13 @@ class Worker {
   // Tells the clients of all unfinished jobs that they are held, or go on.
   void TellHeld(const std::optional<std::string>& why);
 
-  // Of the flight's organisation.
-  Service& ServiceOf(const std::string& flight_id) const { return claims_.ServiceOf(flight_id); }
-
-  Organisations& organisations_;
+  Service& service_;
   const Config& config_;
   Classifiers classifiers_;
   Claims claims_;
   OpenFlights open_flights_;
-  // By organisation. Only the frontend thread uses it.
-  std::map<Service*, StripWatching> watching_;
+  // Only the frontend thread uses it.
+  StripWatching watching_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<bool> is_evaluating_{false};
   // Each belongs to its thread. A step of the frontend is short.
@@ -142,7 +138,7 @@ class Worker {
   std::chrono::steady_clock::time_point retired_at_{};
   std::chrono::steady_clock::time_point told_waiting_at_{};
   // Sites that CheckNextSite still has to check, and when they were listed.
-  std::vector<std::pair<Service*, std::string>> unchecked_sites_;
+  std::vector<std::string> unchecked_sites_;
   std::optional<std::chrono::steady_clock::time_point> unchecked_listed_at_;
 
   std::thread frontend_thread_;

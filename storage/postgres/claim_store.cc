@@ -94,9 +94,7 @@ void PostgresClaimStore::Release(const std::string& flight_id) {
   writer.Commit();
 }
 
-bool PostgresClaimStore::Renew() {
-  return !state_.registration || state_.registration->Renew();
-}
+bool PostgresClaimStore::Renew() { return !state_.registration || state_.registration->Renew(); }
 
 LeaseCounts PostgresClaimStore::CountLeases() const {
   return state_.Read([](PostgresConnection& connection) {

@@ -202,10 +202,12 @@ const std::string& PostgresConnection::Prepared(const std::string& sql,
   types.reserve(parameters.size());
   for (const PostgresParameter& parameter : parameters) types.push_back(parameter.type);
   const std::string name = "statement_" + std::to_string(prepared_.size());
-  Await(
-      StepName(sql),
-      PQsendPrepare(
-          connection_.get(), name.c_str(), sql.c_str(), static_cast<int>(types.size()), types.data()));
+  Await(StepName(sql),
+        PQsendPrepare(connection_.get(),
+                      name.c_str(),
+                      sql.c_str(),
+                      static_cast<int>(types.size()),
+                      types.data()));
   return prepared_.emplace(sql, name).first->second;
 }
 

@@ -76,8 +76,7 @@ void SweepImages(PostgresState& state) {
   // Files that a process left before it stored their row.
   for (const std::string& shelf : ImageFiles::Shelves()) {
     const std::set<std::string> rows = RowsOfShelf(state, shelf);
-    for (const std::string& name :
-         state.images.Old(shelf, state.options.unused_image_age_s)) {
+    for (const std::string& name : state.images.Old(shelf, state.options.unused_image_age_s)) {
       if (ImageFiles::IsUnfinished(name)) {
         state.images.Remove(name);
       } else if (!rows.contains(name)) {

@@ -75,8 +75,7 @@ void PostgresObstacleStore::Merge(const ToldObstacles& told) {
 
 std::optional<ObstacleRow> PostgresObstacleStore::Find(const std::string& id) const {
   return state_.Read([&](PostgresConnection& connection) -> std::optional<ObstacleRow> {
-    const PostgresRows rows =
-        connection.Run(std::string(kSelectObstacles) + "WHERE id = $1", id);
+    const PostgresRows rows = connection.Run(std::string(kSelectObstacles) + "WHERE id = $1", id);
     if (rows.empty()) return std::nullopt;
     return ObstacleRowOf(rows[0]);
   });

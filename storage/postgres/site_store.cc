@@ -35,8 +35,7 @@ std::vector<std::string> PhotosOf(PostgresConnection& writer,
 // Holds the row of the version of sites, which all who change sites need.
 class PostgresSiteTurn final : public SiteTurn {
  public:
-  explicit PostgresSiteTurn(PostgresState& state)
-      : state_(state), lock_(state.turns_mutex) {
+  explicit PostgresSiteTurn(PostgresState& state) : state_(state), lock_(state.turns_mutex) {
     writer_.emplace(state_);
     StepSites(**writer_);
   }
@@ -177,9 +176,7 @@ std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::strin
 
 std::vector<std::string> PostgresSiteStore::ListUnchecked() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection
-        .Run(
-            "SELECT id FROM sites WHERE is_recallable AND NOT is_checked ORDER BY id")
+    return connection.Run("SELECT id FROM sites WHERE is_recallable AND NOT is_checked ORDER BY id")
         .Texts();
   });
 }

@@ -69,8 +69,7 @@ struct WatchedService {
   Intake intake{config, storage, events};
   Alternates alternates{storage, maps, events, 3};
   BaseMap base_map{config};
-  LongQueues long_queues;
-  Service service{intake, maps, alternates, base_map, long_queues};
+  Service service{intake, maps, alternates, base_map};
   StripWatching watching{service};
   int num_images = 0;
 
