@@ -96,9 +96,9 @@ class Storage {
   // one then starts with what the second copy holds. A notice says so. Throws StorageError and
   // changes nothing if another process uses the folder or a newer program wrote it.
   explicit Storage(const std::filesystem::path& folder);
-  // PostgreSQL, if options.database_url is given: creates the schema in an empty
-  // database. Throws StorageError and changes nothing if the database cannot be reached, another
-  // process uses the folder or the database, or another version of the program wrote the schema.
+  // PostgreSQL, if options.database_url is given: creates the schema in an empty database. Throws
+  // StorageError and changes nothing if the database cannot be reached, another process uses the
+  // folder or the database, or the program of another schema wrote it.
   explicit Storage(const StorageOptions& options);
   ~Storage();
 

@@ -6,8 +6,8 @@
 
 namespace freelsd {
 
-// kFull: the disk is full. kDamaged: the content of a database file is damaged. kNewer: a newer
-// program wrote the folder. kConflict: another process has stored a row with the same key
+// kFull: the disk or a quota is full. kDamaged: the content of a database file is damaged. kNewer:
+// a newer program wrote the folder. kConflict: another process has stored a row with the same key
 // meanwhile.
 enum class StorageFault { kOther, kFull, kDamaged, kNewer, kConflict };
 
