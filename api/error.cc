@@ -89,14 +89,11 @@ constexpr ErrorKind kErrorKinds[] = {
     {"TooManyLinks", 429, "Too many links report", 5},
     {"TooManyRequests", 429, "Too many requests", 1},
     {"QueueFull", 429, "The frame queue is full", 1},
-    {"FrameQuota", 429, "The organisation's frames of a minute are used up", 5},
-    {"JobQuota", 429, "The organisation has too many unfinished jobs", 10},
     {"HeadersTooLarge", 431, "The request's headers are too large", 0},
     {"InternalError", 500, "The server failed", 0},
     {"Unavailable", 503, "The server cannot do this now", 2},
     {"ShuttingDown", 503, "The server is stopping", 5},
     {"StorageFull", 507, "The disk is full", 30},
-    {"ByteQuota", 507, "The organisation's storage is used up", 60},
 };
 
 const ErrorKind* FindKind(const std::string& code) {

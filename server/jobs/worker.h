@@ -29,7 +29,7 @@ namespace freelsd {
 
 class Worker {
  public:
-  Worker(Organisations& organisations, Classifiers classifiers);
+  Worker(Service& service, Classifiers classifiers);
   // Requires that Stop returned true.
   ~Worker();
   Worker(const Worker&) = delete;
@@ -87,10 +87,9 @@ class Worker {
   bool ReplayNext();
   void RunJob(JobRow& job, const std::function<nlohmann::json(const Progress& progress)>& work);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
-  bool TellProgress(Service& service, double done_ratio);
-  // Removes images of idle flights as the settings require, for each organisation alone.
+  bool TellProgress(double done_ratio);
+  // Removes images of idle flights as the settings require.
   void RetireImages();
-  void RetireImagesOf(Service& service);
 
   // Repeats a step while it finds work; waits otherwise.
   void Repeat(bool (Worker::*step)());
@@ -101,10 +100,7 @@ class Worker {
   // Tells the clients of all unfinished jobs that they are held, or go on.
   void TellHeld(const std::optional<std::string>& why);
 
-  // Of the flight's organisation.
-  Service& ServiceOf(const std::string& flight_id) const { return claims_.ServiceOf(flight_id); }
-
-  Organisations& organisations_;
+  Service& service_;
   const Config& config_;
   Classifiers classifiers_;
   Claims claims_;
@@ -137,7 +133,7 @@ class Worker {
   std::chrono::steady_clock::time_point retired_at_{};
   std::chrono::steady_clock::time_point told_waiting_at_{};
   // Sites that CheckNextSite still has to check, and when they were listed.
-  std::vector<std::pair<Service*, std::string>> unchecked_sites_;
+  std::vector<std::string> unchecked_sites_;
   std::optional<std::chrono::steady_clock::time_point> unchecked_listed_at_;
 
   std::thread frontend_thread_;

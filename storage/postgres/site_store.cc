@@ -35,8 +35,7 @@ std::vector<std::string> PhotosOf(PostgresConnection& writer,
 // Holds the row of the version of sites, which all who change sites need.
 class PostgresSiteTurn final : public SiteTurn {
  public:
-  explicit PostgresSiteTurn(PostgresState& state)
-      : state_(state), lock_(state.process->turns_mutex) {
+  explicit PostgresSiteTurn(PostgresState& state) : state_(state), lock_(state.turns_mutex) {
     writer_.emplace(state_);
     StepSites(**writer_);
   }
@@ -100,7 +99,7 @@ std::vector<std::string> ReadIds(PostgresState& state,
 
 }  // namespace
 
-uint64_t PostgresSiteStore::Version() const { return state_.process->VersionOf("sites"); }
+uint64_t PostgresSiteStore::Version() const { return state_.VersionOf("sites"); }
 
 std::unique_ptr<SiteTurn> PostgresSiteStore::TakeTurn() {
   return std::make_unique<PostgresSiteTurn>(state_);
@@ -177,10 +176,7 @@ std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::strin
 
 std::vector<std::string> PostgresSiteStore::ListUnchecked() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection
-        .Run(
-            "SELECT id FROM sites WHERE is_recallable AND NOT is_checked AND organisation = "
-            "current_setting('freelsd.organisation') ORDER BY id")
+    return connection.Run("SELECT id FROM sites WHERE is_recallable AND NOT is_checked ORDER BY id")
         .Texts();
   });
 }
@@ -235,24 +231,18 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
   }
   RecallBounds bounds = state_.Read([](PostgresConnection& connection) {
     RecallBounds read;
-    // One search of an index for each organisation that is seen.
     read.min_altitude_m =
-        connection
-            .Run(
-                "SELECT coalesce(min((SELECT altitude_m FROM sites WHERE organisation = name AND "
-                "is_recallable ORDER BY altitude_m LIMIT 1)), 0) FROM organisations")[0]
+        connection.Run("SELECT coalesce(min(altitude_m), 0) FROM sites WHERE is_recallable")[0]
             .Real(0);
-    // And for each aircraft: many sites are of the same.
+    // One search of an index for each aircraft: many sites are of the same.
     read.aircraft_jsons =
         connection
             .Run(
-                "WITH RECURSIVE found AS (SELECT name, (SELECT aircraft_json COLLATE \"C\" FROM "
-                "sites WHERE organisation = name AND is_recallable ORDER BY aircraft_json COLLATE "
-                "\"C\" LIMIT 1) AS json FROM organisations UNION ALL SELECT name, (SELECT "
-                "aircraft_json COLLATE \"C\" FROM sites WHERE organisation = name AND "
-                "is_recallable AND aircraft_json COLLATE \"C\" > json ORDER BY aircraft_json "
-                "COLLATE \"C\" LIMIT 1) FROM found WHERE json IS NOT NULL) "
-                "SELECT DISTINCT json FROM found WHERE json IS NOT NULL ORDER BY json")
+                "WITH RECURSIVE found AS ((SELECT aircraft_json COLLATE \"C\" AS json FROM sites "
+                "WHERE is_recallable ORDER BY 1 LIMIT 1) UNION ALL SELECT (SELECT aircraft_json "
+                "COLLATE \"C\" FROM sites WHERE is_recallable AND aircraft_json COLLATE \"C\" > "
+                "json ORDER BY 1 LIMIT 1) FROM found WHERE json IS NOT NULL) "
+                "SELECT json FROM found WHERE json IS NOT NULL")
             .Texts();
     return read;
   });

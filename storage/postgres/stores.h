@@ -8,15 +8,6 @@ namespace freelsd {
 
 struct PostgresState;
 
-class PostgresQuotaStore final : public QuotaStore {
- public:
-  explicit PostgresQuotaStore(PostgresState& state) : state_(state) {}
-  std::optional<QuotaRefusal> Admit(const Quotas& quotas, const QuotaDemand& demand) override;
-
- private:
-  PostgresState& state_;
-};
-
 class PostgresFlightStore final : public FlightStore {
  public:
   explicit PostgresFlightStore(PostgresState& state) : state_(state) {}
@@ -218,7 +209,6 @@ class PostgresClaimStore final : public ClaimStore {
  public:
   explicit PostgresClaimStore(PostgresState& state) : state_(state) {}
   bool IsShared() const override;
-  std::vector<std::string> ListOrganisations() const override;
   std::optional<Claim> ClaimNext() override;
   std::vector<std::string> ListClaimed() const override;
   void Release(const std::string& flight_id) override;

@@ -30,7 +30,7 @@ TEST_CASE(
   const TemporaryFolder folder;
   const Storage storage(StorageAt(folder.path()));
   const OpenFlights::SessionPointer session = SomeSession();
-  OpenFlights flights([&](const std::string&) -> const Storage& { return storage; }, 1);
+  OpenFlights flights(storage, 1);
   REQUIRE(flights.MayOpen("m"));
   flights.Open("m", session);
   CHECK(flights.MayOpen("m"));

@@ -1,18 +1,18 @@
--- All durable data except the image files. Migrations are applied in order, each once
--- (migrations.h); a migration that was released never changes.
+-- All durable data except the image files. Whoever changes a table raises the schema's number
+-- (schema.cc).
 -- Times are microseconds since 1970 (UTC), but for timestamptz, which is the database's own clock.
 -- Text is compared byte by byte (COLLATE "C"). Storage does not parse the text of *_json columns.
 -- Places are found by geometry; the degrees beside it are exact.
 
 CREATE EXTENSION IF NOT EXISTS postgis;
 
--- Increases with every commit that changes a site or obstacle. Its row lock makes writers of sites
--- take turns, so a reader that saw a value sees all changes up to it.
+-- Increases with every commit that changes a site or obstacle, or tells an event. Its row lock makes
+-- the writers take turns, so a reader that saw a value sees all changes up to it.
 CREATE TABLE versions (
-  name text COLLATE "C" PRIMARY KEY,          -- 'sites' or 'obstacles'
+  name text COLLATE "C" PRIMARY KEY,          -- 'sites', 'obstacles' or 'events'
   value bigint NOT NULL
 );
-INSERT INTO versions VALUES ('sites', 1), ('obstacles', 1);
+INSERT INTO versions VALUES ('sites', 1), ('obstacles', 1), ('events', 0);
 
 -- The process that has the database for itself: it has the token that it put here. Its writes hold
 -- the row, so whoever takes the database waits for them, and later ones are refused.
@@ -124,7 +124,9 @@ CREATE TABLE sites (
   approach_json text NOT NULL,                -- FeatureCollection; '' where there is no approach
   replan_json text NOT NULL,                  -- region, aircraft, origin, datum
   updated_at_us bigint NOT NULL,
-  seen_at_us bigint NOT NULL,                 -- when the ground of its map was last photographed
+  seen_at_us bigint NOT NULL,                 -- when the ground of its map was last photographed, or the
+                                              -- earliest possible time where it is not exact; 0: unknown
+  seen_until_us bigint,                       -- the latest possible time; NULL: seen_at_us is exact
   -- Standing on later maps (site_store.h).
   superseded_by text COLLATE "C",             -- NULL: not superseded
   superseded_by_map text COLLATE "C" NOT NULL DEFAULT '',
@@ -152,6 +154,8 @@ CREATE INDEX sites_superseded_by_map ON sites (superseded_by_map) WHERE supersed
 CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
 CREATE INDEX sites_unchecked ON sites (id) WHERE is_recallable AND NOT is_checked;
 CREATE INDEX sites_by_altitude ON sites (altitude_m) WHERE is_recallable;
+-- Which aircraft have sites is found by one search for each, not by reading all sites.
+CREATE INDEX sites_by_aircraft ON sites (aircraft_json COLLATE "C") WHERE is_recallable;
 
 -- The area of a site's map, or its touchdown: one box, or two at the antimeridian.
 CREATE TABLE site_areas (
@@ -181,7 +185,8 @@ CREATE TABLE maps (
   east_deg double precision NOT NULL,
   north_deg double precision NOT NULL,
   updated_at_us bigint NOT NULL,
-  seen_at_us bigint NOT NULL,                 -- when the ground was last photographed
+  seen_at_us bigint NOT NULL,                 -- when the ground was last photographed, as in sites
+  seen_until_us bigint,                       -- as in sites
   is_in_force boolean NOT NULL,               -- false: an unfinished evaluation writes it
   staged_at timestamptz NOT NULL DEFAULT now(),
   UNIQUE (flight_id, number)
@@ -238,3 +243,133 @@ CREATE TABLE obstacles (
 );
 CREATE INDEX obstacles_by_place ON obstacles USING gist (area);
 CREATE INDEX obstacles_expiring ON obstacles (expires_at_us) WHERE expires_at_us IS NOT NULL;
+
+-- Several processes on one database: who works on which flight, and what they tell each other.
+
+-- A process that works on flights. Its writes hold the row (FOR KEY SHARE), so that whoever deletes
+-- it waits for them, and later ones are refused.
+CREATE TABLE workers (
+  token bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+  expires_at timestamptz NOT NULL             -- end of its lease
+);
+
+CREATE TABLE claims (
+  flight_id text COLLATE "C" PRIMARY KEY REFERENCES flights ON DELETE CASCADE,
+  token bigint REFERENCES workers,            -- NULL: nobody works on it
+  num_lost bigint NOT NULL DEFAULT 0          -- workers in a row that ended without a word
+);
+CREATE INDEX claims_by_worker ON claims (token) WHERE token IS NOT NULL;
+
+-- Events that processes tell each other. The row of versions orders their numbers by commit.
+CREATE TABLE told_events (
+  number bigint PRIMARY KEY,
+  origin text COLLATE "C" NOT NULL,           -- the process that tells
+  type text NOT NULL,
+  flight_id text COLLATE "C" NOT NULL,
+  data text NOT NULL,                         -- JSON
+  told_at timestamptz NOT NULL DEFAULT now()
+);
+CREATE INDEX told_events_by_time ON told_events (told_at);
+
+-- The feed of changes, for servers that follow this one.
+
+CREATE TABLE feed (
+  id text NOT NULL DEFAULT replace(gen_random_uuid()::text, '-', ''), -- numbers of another feed mean something else
+  forgotten_through bigint NOT NULL           -- removals up to this number may be forgotten
+);
+INSERT INTO feed (forgotten_through) VALUES (0);
+CREATE SEQUENCE change_numbers;
+
+-- The last change of each site, map in force and obstacle; triggers write it.
+CREATE TABLE changes (
+  subject bigint NOT NULL,                    -- 0 site, 1 map, 2 obstacle
+  id text COLLATE "C" NOT NULL,               -- of the site, map or obstacle
+  number bigint NOT NULL UNIQUE,              -- increases with every change of anything
+  kind bigint NOT NULL,                       -- 0 stored, 1 updated, 2 superseded, 3 confirmed, 4 removed, 5 expired
+  changed_at_us bigint NOT NULL,
+  stamp_us bigint NOT NULL,                   -- updated_at_us of the row, or of the removed row
+  west_deg double precision NOT NULL,         -- box of where it is, and was; never crosses the antimeridian
+  south_deg double precision NOT NULL,
+  east_deg double precision NOT NULL,
+  north_deg double precision NOT NULL,
+  origin text COLLATE "C" NOT NULL DEFAULT '', -- feed of the server that has made it; '': this one's
+  PRIMARY KEY (subject, id)
+);
+CREATE INDEX changes_removed ON changes (changed_at_us) WHERE kind >= 4;
+
+-- Whoever changes sites or obstacles holds the row of the sites' version until the commit: no number appears after a
+-- higher one.
+CREATE FUNCTION tell_change(given_subject bigint, given_id text, given_kind bigint, given_stamp_us bigint,
+                            west double precision, south double precision, east double precision,
+                            north double precision) RETURNS void LANGUAGE plpgsql AS $$
+BEGIN
+  PERFORM 1 FROM versions WHERE name = 'sites' FOR NO KEY UPDATE;
+  INSERT INTO changes AS known (subject, id, number, kind, changed_at_us, stamp_us, west_deg, south_deg, east_deg,
+                                north_deg)
+  VALUES (given_subject, given_id, nextval('change_numbers'), given_kind,
+          (extract(epoch FROM clock_timestamp()) * 1000000)::bigint, given_stamp_us,
+          CASE WHEN west > east THEN -180 ELSE west END, south, CASE WHEN west > east THEN 180 ELSE east END, north)
+  ON CONFLICT (subject, id) DO UPDATE SET
+    number = excluded.number,
+    kind = CASE WHEN excluded.kind = 0 AND known.kind < 4 THEN 1 ELSE excluded.kind END,
+    changed_at_us = excluded.changed_at_us,
+    stamp_us = excluded.stamp_us,
+    west_deg = least(known.west_deg, excluded.west_deg),
+    south_deg = least(known.south_deg, excluded.south_deg),
+    east_deg = greatest(known.east_deg, excluded.east_deg),
+    north_deg = greatest(known.north_deg, excluded.north_deg),
+    origin = CASE WHEN known.stamp_us = excluded.stamp_us THEN known.origin ELSE '' END;
+END $$;
+
+CREATE FUNCTION tell_site() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF TG_OP = 'DELETE' THEN
+    PERFORM tell_change(0, OLD.id, 4, OLD.updated_at_us, OLD.longitude_deg, OLD.latitude_deg, OLD.longitude_deg,
+                        OLD.latitude_deg);
+  ELSE
+    PERFORM tell_change(0, NEW.id,
+                        CASE WHEN TG_ARGV[0] <> 'standing' THEN TG_ARGV[0]::bigint
+                             WHEN NEW.superseded_by IS NOT NULL THEN 2
+                             WHEN NEW.confirmed_at_us IS DISTINCT FROM OLD.confirmed_at_us THEN 3 ELSE 1 END,
+                        NEW.updated_at_us, NEW.longitude_deg, NEW.latitude_deg, NEW.longitude_deg, NEW.latitude_deg);
+  END IF;
+  RETURN NULL;
+END $$;
+CREATE TRIGGER site_is_stored AFTER INSERT ON sites FOR EACH ROW EXECUTE FUNCTION tell_site('0');
+CREATE TRIGGER site_is_updated AFTER UPDATE OF feature_json ON sites FOR EACH ROW EXECUTE FUNCTION tell_site('1');
+CREATE TRIGGER site_stands_otherwise AFTER UPDATE OF superseded_by ON sites FOR EACH ROW
+  WHEN ((NEW.superseded_by, NEW.superseded_by_map, NEW.superseded_at_us, NEW.superseded_reason, NEW.superseded_detail,
+         NEW.confirmed_at_us) IS DISTINCT FROM
+        (OLD.superseded_by, OLD.superseded_by_map, OLD.superseded_at_us, OLD.superseded_reason, OLD.superseded_detail,
+         OLD.confirmed_at_us))
+  EXECUTE FUNCTION tell_site('standing');
+CREATE TRIGGER site_is_removed AFTER DELETE ON sites FOR EACH ROW EXECUTE FUNCTION tell_site('4');
+
+CREATE FUNCTION tell_map() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF TG_OP = 'DELETE' THEN
+    PERFORM tell_change(1, OLD.id, 4, OLD.updated_at_us, OLD.west_deg, OLD.south_deg, OLD.east_deg, OLD.north_deg);
+  ELSE
+    PERFORM tell_change(1, NEW.id, 0, NEW.updated_at_us, NEW.west_deg, NEW.south_deg, NEW.east_deg, NEW.north_deg);
+  END IF;
+  RETURN NULL;
+END $$;
+CREATE TRIGGER map_is_stored AFTER INSERT ON maps FOR EACH ROW WHEN (NEW.is_in_force) EXECUTE FUNCTION tell_map();
+CREATE TRIGGER map_comes_in_force AFTER UPDATE OF is_in_force ON maps FOR EACH ROW
+  WHEN (NEW.is_in_force AND NOT OLD.is_in_force) EXECUTE FUNCTION tell_map();
+CREATE TRIGGER map_is_removed AFTER DELETE ON maps FOR EACH ROW WHEN (OLD.is_in_force) EXECUTE FUNCTION tell_map();
+
+CREATE FUNCTION tell_obstacle() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF TG_OP = 'DELETE' THEN
+    PERFORM tell_change(2, OLD.id, CASE WHEN OLD.expires_at_us < extract(epoch FROM clock_timestamp()) * 1000000
+                                        THEN 5 ELSE 4 END,
+                        OLD.updated_at_us, OLD.west_deg, OLD.south_deg, OLD.east_deg, OLD.north_deg);
+  ELSE
+    PERFORM tell_change(2, NEW.id, CASE WHEN TG_OP = 'INSERT' THEN 0 ELSE 1 END, NEW.updated_at_us, NEW.west_deg,
+                        NEW.south_deg, NEW.east_deg, NEW.north_deg);
+  END IF;
+  RETURN NULL;
+END $$;
+CREATE TRIGGER obstacle_changes AFTER INSERT OR DELETE OR UPDATE OF feature_json ON obstacles
+  FOR EACH ROW EXECUTE FUNCTION tell_obstacle();
