@@ -10,8 +10,6 @@ namespace freelsd {
 // Reads {preset: name, stage: {field: value}} over the preset or the defaults, and refuses unknown
 // names. No Check() is called.
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer);
-// Removes the options that this version does not have.
-void KeepKnownOptions(nlohmann::json& options);
 // Writes the same form with every field. Withheld is terrain.height_fusion: the preset decides it.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 

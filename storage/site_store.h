@@ -67,7 +67,7 @@ struct Standing {
   std::string superseded_detail;
   // Time of the latest photographs of another map on which the plan holds.
   std::optional<int64_t> confirmed_at_us;
-  // False if an older program stored the site. Its plan was then never checked on later maps.
+  // False if the plan was not checked yet on later maps that others began to share.
   bool is_checked = false;
 
   // The plan breaks a rule on a later map, which does not positively show that the ground changed.

@@ -97,7 +97,7 @@ nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   if (row.IsDoubted()) AddDoubt(row, properties);
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
-  // The row of an older program has only the id of the later site, until the site is checked.
+  // The order of the two maps is not known.
   if (row.superseded_at_us == 0) return feature;
   properties["superseded_at"] = Rfc3339(row.superseded_at_us);
   properties["superseded_reason"] = row.superseded_reason;

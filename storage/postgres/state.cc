@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "storage/postgres/images.h"
-#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
 
 namespace freelsd {
 namespace {
@@ -49,23 +49,6 @@ std::filesystem::path ImagesOf(const std::filesystem::path& folder, const std::s
   return name == kDefaultOrganisation ? folder : folder / "organisations" / name;
 }
 
-constexpr double kMigrationTimeoutS = 3600.0;
-
-// Before this process shares the schema. Those that share it now know only the former version: they
-// must have stopped. One whose lock was lost with its connection writes nothing more.
-void MigrateAlone(PostgresConnection& connection, ConnectionPool& owner_pool) {
-  std::optional<Ownership> alone;
-  try {
-    alone.emplace(owner_pool, OwnershipKind::kAlone);
-  } catch (const StorageError& failure) {
-    throw StorageError("migrate the database",
-                       std::string(failure.what()) +
-                           "; stop all servers of the former version before one of this starts");
-  }
-  alone->Begin();
-  MigrateDatabase(connection);
-}
-
 void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
   writer.Run(
       "DELETE FROM maps WHERE NOT is_in_force AND staged_at <= now() - make_interval(secs => $1)",
@@ -82,14 +65,11 @@ PostgresProcess::PostgresProcess(const StorageOptions& given)
       owner_pool(options),
       listener_pool(options, kAppRole),
       notices(options.folder / "notices", options.log_notice) {
-  // As the user of the URI, who may own the schema. A migration rewrites whole tables.
-  StorageOptions of_owner = options;
-  of_owner.statement_timeout_s = std::max(kMigrationTimeoutS, options.statement_timeout_s);
-  ConnectionPool owner(of_owner);
+  // As the user of the URI, who may own the schema.
+  ConnectionPool owner(options);
   const ConnectionLease connection(owner);
-  if (NeedsMigration(*connection)) MigrateAlone(*connection, owner_pool);
   ownership.emplace(owner_pool, options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
-  MigrateDatabase(*connection);
+  CreateSchema(*connection);
   ownership->Begin();
   if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
   origin = (*connection).Run("SELECT gen_random_uuid()::text")[0].Text(0);

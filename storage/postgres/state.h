@@ -24,7 +24,7 @@ namespace freelsd {
 // What this process has of the database. Thread-safe. Readers and writers have pools of their own,
 // so that readers never wait for writers.
 struct PostgresProcess {
-  // Opens the database and creates or migrates its schema.
+  // Opens the database and creates its schema if it has none.
   explicit PostgresProcess(const StorageOptions& given);
 
   // Throws StorageError after MarkDamaged.

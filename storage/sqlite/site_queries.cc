@@ -15,8 +15,7 @@ constexpr BoundingBox kWholeEarth{-180.0, -90.0, 180.0, 90.0};
 
 int64_t ChecksumOf(const SiteRow& site) {
   Checksum checksum;
-  // Rows of older programs have no map's id.
-  if (!site.map_id.empty()) checksum.Add(site.map_id);
+  checksum.Add(site.map_id);
   if (site.seen_until_us) checksum.Add(*site.seen_until_us);
   return checksum.Add(site.id)
       .Add(site.flight_id)
@@ -33,7 +32,7 @@ int64_t ChecksumOf(const SiteRow& site) {
 
 int64_t ChecksumOf(const RecallRow& row) {
   Checksum checksum;
-  if (!row.map_id.empty()) checksum.Add(row.map_id);
+  checksum.Add(row.map_id);
   if (row.seen_until_us) checksum.Add(*row.seen_until_us);
   return checksum.Add(row.site_id)
       .Add(row.latitude_deg)
@@ -48,7 +47,7 @@ int64_t ChecksumOf(const RecallRow& row) {
       .value();
 }
 
-// A row without a checksum comes from an older version and is not checked.
+// A row without a checksum is not checked: a bench that writes rows itself computes none.
 template <typename Row>
 Row Checked(const Row& row, const Statement& statement, int column) {
   const std::optional<int64_t> stored = statement.OptionalInt(column);
@@ -316,31 +315,6 @@ bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
       .Run();
   writer.Prepare("DELETE FROM sites WHERE id = ?1").Bind(site_id).Run();
   return writer.NumChanges() > 0;
-}
-
-void MendSiteBoxes(const Connection& writer) {
-  std::map<int64_t, BoundingBox> mended;
-  {
-    Statement wrong = writer.Prepare(
-        "SELECT number, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
-        "WHERE west_deg < -180 OR (west_deg < 0 AND east_deg > 90 AND east_deg <= 180 AND "
-        "east_deg - west_deg > 180 AND south_deg > -89.9 AND north_deg < 89.9)");
-    while (wrong.Step()) {
-      BoundingBox& box = mended[wrong.Int(0)] = BoxOf(wrong, 1);
-      if (box.west_deg < -180.0) {
-        // A migration widened a touchdown across the antimeridian.
-        box.west_deg += 360.0;
-        box.east_deg += 360.0;
-      } else {
-        box = Unrolled(Mended(box));
-      }
-    }
-  }
-  for (const auto& [number, box] : mended) {
-    writer.Prepare("UPDATE site_boxes SET west_deg = ?2, east_deg = ?3 WHERE number = ?1")
-        .Bind(number, box.west_deg, box.east_deg)
-        .Run();
-  }
 }
 
 void CheckSiteRows(const Connection& connection) {

@@ -38,9 +38,6 @@ BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingB
 // existed.
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
 
-// Mends boxes that older programs stored for maps across the antimeridian.
-void MendSiteBoxes(const Connection& writer);
-
 // Reads all rows once. Throws StorageError kDamaged if a checksum is wrong or a site has no box.
 void CheckSiteRows(const Connection& connection);
 

@@ -2,10 +2,10 @@
 
 #include "storage/move/move.h"
 #include "storage/postgres/area_rows.h"
-#include "storage/postgres/migrations.h"
 #include "storage/postgres/organisations/organisations.h"
 #include "storage/postgres/ownership.h"
 #include "storage/postgres/pool.h"
+#include "storage/postgres/schema.h"
 #include "storage/postgres/site_rows.h"
 
 namespace freelsd {
@@ -167,7 +167,7 @@ void PostgresSide::BeginAsSource() {
   if (!HasTable(*connection_, "schema_migrations")) {
     throw StorageError("read the database", "freelsd has no tables there");
   }
-  MigrateDatabase(*connection_);
+  CreateSchema(*connection_);
   RefuseUnknownColumns();
   RefuseOtherOrganisations();
   connection_->Execute("BEGIN ISOLATION LEVEL REPEATABLE READ");
@@ -175,7 +175,7 @@ void PostgresSide::BeginAsSource() {
 
 void PostgresSide::BeginAsTarget() {
   if (!IsUnfinished(*connection_)) {
-    MigrateDatabase(*connection_);
+    CreateSchema(*connection_);
     is_complete_ = HasRows();
   }
   if (!is_complete_ && !IsUnfinished(*connection_)) {

@@ -1,4 +1,4 @@
-// What a transaction says of whose rows it is about (migration 0003).
+// What a transaction says of whose rows it is about (schema.sql).
 #pragma once
 
 #include <string>

@@ -5,7 +5,7 @@
 #include "storage/move/move.h"
 #include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/map_rows.h"
-#include "storage/sqlite/migrations.h"
+#include "storage/sqlite/schema.h"
 #include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
@@ -88,9 +88,9 @@ class SqliteSource final : public RowSource {
  public:
   explicit SqliteSource(const std::filesystem::path& folder)
       : lock_(folder), connection_(folder / kDatabaseName, Access::kRead) {
-    if (SqliteSchemaVersion(connection_) == kSchemaVersion) return;
+    if (SqliteSchemaVersion(connection_) == kSchemaNumber) return;
     throw StorageError("read the database",
-                       "its schema is not this program's; start freelsd-server with it once");
+                       "its schema is not this program's");
   }
   void ForEach(const MovedTable& table, const TakeRow& take) override {
     ForEachRow(connection_, table, take);
@@ -140,8 +140,8 @@ class SqliteTarget final : public RowTarget {
   void MakeSchema() {
     Transaction transaction(*writer_);
     writer_->Execute(kSchemaSql);
-    writer_->Execute(("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaVersion)) +
-                      "; PRAGMA user_version = " + std::to_string(kSchemaVersion))
+    writer_->Execute(("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaNumber)) +
+                      "; PRAGMA user_version = " + std::to_string(kSchemaNumber))
                          .c_str());
     transaction.Commit();
   }

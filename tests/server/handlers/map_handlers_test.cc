@@ -320,7 +320,6 @@ TEST_CASE("flight map: why names the rule at any place, and the frames that show
         doctest::Approx(good["nearest_limit"]["limit"].get<double>() -
                         good["nearest_limit"]["value"].get<double>()));
   CHECK(good["nearest_limit"]["margin"].get<double>() > 0.0);
-  CHECK(good["versions"]["program"].is_null());
   CHECK(why(0.5, -60.5)["evidence"]["frames"] == nlohmann::json{"left", "right"});
   CHECK(why(-200.5, -60.5)["evidence"]["frames"] == nlohmann::json{"left"});
   CHECK(why(34.5, 5.5)["first_failed"] == "object");

@@ -94,7 +94,7 @@ TEST_CASE("results: every list tells when the ground was photographed, never the
     site.seen_at_us = now_us - 9 * kDayUs;
     site.confirmed_at_us = now_us - 3 * kDayUs;
     site.is_checked = true;
-    // Stored now, by an older program that knew no last_seen_at.
+    // The age of the row is not the ground's.
     site.updated_at_us = now_us;
     storage.sites.Put(site, SerializeSiteMap(Meadow()));
   });

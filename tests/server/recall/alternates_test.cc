@@ -86,7 +86,7 @@ TEST_CASE("alternates: a flight that is never silent does not starve the others"
   for (const char* const id : {"a", "b", "c"}) {
     FlightRow flight;
     flight.id = id;
-    flight.request_json = R"({"name":"x"})";
+    flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
     storage.flights.Insert(flight);
   }
   Alternates alternates(storage, maps, events, 3);
@@ -316,7 +316,9 @@ TEST_CASE("alternates: new, changed and superseded sites count at once, also of 
   EventLog events;
   FlightRow row;
   row.id = std::string("x");
-  row.request_json = R"({"name":"x","altitude_datum":"amsl","aircraft":{"profile":"small"}})";
+  row.request_json =
+      ParseFlightRequest(R"({"name":"x","altitude_datum":"amsl","aircraft":{"profile":"small"}})")
+          .canonical_json;
   storage.flights.Insert(row);
   storage.telemetry.Put("x", ParseTelemetryLine(LineAt(1700000000000000, 900.0)));
   Alternates alternates(storage, maps, events, 3);

@@ -260,7 +260,7 @@ TEST_CASE("emergency: sites stay when their flight is deleted, unless they are t
     const MeadowServer meadow([](Storage& storage) {
       FlightRow flight;
       flight.id = std::string("f");
-      flight.request_json = R"({"name":"x"})";
+      flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
       storage.flights.Insert(flight);
       StoreAmslMeadow(storage);
     });

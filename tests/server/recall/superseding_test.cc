@@ -279,7 +279,7 @@ TEST_CASE("memory: within a flight a new evaluation replaces what its old map sa
   CHECK(FieldServer({First(), own}).IsServed());
 }
 
-TEST_CASE("memory: sites of an older program are checked once at the start of the server") {
+TEST_CASE("memory: sites that are not checked yet are checked once at the start of the server") {
   const MeadowServer meadow([](Storage& storage) {
     storage.sites.Put(SiteOf(First()), MapOf(First()));
     Flown neighbour = First();

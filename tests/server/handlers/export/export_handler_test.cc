@@ -28,7 +28,8 @@ struct SitesServer {
       FlightRow flight;
       flight.id = "f1";
       flight.name = "meadows";
-      flight.request_json = R"({"name":"meadows","altitude_datum":")" + datum + "\"}";
+      flight.request_json =
+          ParseFlightRequest(R"({"name":"meadows","altitude_datum":")" + datum + "\"}").canonical_json;
       storage.flights.Insert(flight);
       Put(storage, Verdict::kLandable, 1, datum, SerializeSiteMap(HillMap()), change);
       Put(storage, Verdict::kUnverified, 2, datum, "");
