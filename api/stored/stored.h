@@ -178,18 +178,14 @@ CaptureTime SeenOf(const Row& row) {
   return {row.seen_at_us, std::max(row.seen_at_us, until_us)};
 }
 
-// --- The map of a site ---
+// --- The map around a site ---
 
-// The part of an evaluation's map around one site. It is stored, drawn and used for new plans.
+// The part of a flight's map around one site. It is drawn and used for new plans.
 using SiteMap = AssessedMap;
 // Thrown if the stored bytes differ from the bytes that were written.
 class DamagedMap : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-// Compressed and versioned, with a checksum. DeserializeSiteMap throws DamagedMap on damage and
-// std::runtime_error on another version. It never allocates more than the bytes can contain.
-std::string SerializeSiteMap(const SiteMap& site_map);
-SiteMap DeserializeSiteMap(const std::string& bytes);
 
 }  // namespace freelsd

@@ -148,12 +148,6 @@ std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
   if (!kept) return std::nullopt;
   const FlightRequest& flight = kept->replan.flight;
   const PipelineOptions& options = flight.options;
-  if (kept->row.map_id.empty()) {
-    SiteMap own = kept->site_map;
-    own.layers.min_grass_posterior = options.hazard.cover.min_grass_posterior;
-    own.layers = WithObstacleHazards(std::move(own.layers), kept->obstacles, {});
-    return own;
-  }
   SiteMap map = CropAround(kept->site_map.map,
                            kept->site_map.layers,
                            kept->replan.request.footprint,

@@ -155,10 +155,6 @@ MovedTable Sites() {
   return table;
 }
 
-MovedTable SiteMaps() {
-  return Plain("site_maps", {{"site_id", kText}, {"map", kBytes}}, "site_id");
-}
-
 MovedTable Obstacles() {
   return Plain("obstacles",
                {{"id", kText},
@@ -184,7 +180,6 @@ const std::vector<MovedTable>& MovedTables() {
                                                TilesOf("map_tiles", {"tile", kBytes}),
                                                TilesOf("photo_tiles", {"sha256", kText}),
                                                Sites(),
-                                               SiteMaps(),
                                                Obstacles()};
   return kTables;
 }

@@ -117,7 +117,7 @@ CREATE TABLE sites (
   id text COLLATE "C" PRIMARY KEY,
   flight_id text COLLATE "C" NOT NULL,
   region_id bigint NOT NULL,
-  map_id text COLLATE "C" NOT NULL,           -- of maps; '': the site's own map in site_maps, or none
+  map_id text COLLATE "C" NOT NULL,           -- of maps; '': nothing was reconstructed
   latitude_deg double precision NOT NULL,     -- touchdown, WGS84
   longitude_deg double precision NOT NULL,    -- touchdown, WGS84
   touchdown geometry(Point, 4326) NOT NULL
@@ -163,13 +163,6 @@ CREATE TABLE site_areas (
   PRIMARY KEY (site_id, part)
 );
 CREATE INDEX site_areas_by_place ON site_areas USING gist (area);
-
--- The site's own map. Older programs stored one for each site.
-CREATE TABLE site_maps (
-  site_id text COLLATE "C" PRIMARY KEY REFERENCES sites ON DELETE CASCADE,
-  map bytea NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
-);
-ALTER TABLE site_maps ALTER COLUMN map SET STORAGE EXTERNAL;
 
 -- A map of a flight. It stays when the flight is deleted, so there is no foreign key to flights.
 CREATE TABLE maps (
@@ -314,7 +307,6 @@ ALTER TABLE jobs DROP CONSTRAINT jobs_flight_id_fkey;
 ALTER TABLE regions DROP CONSTRAINT regions_flight_id_fkey;
 ALTER TABLE claims DROP CONSTRAINT claims_flight_id_fkey;
 ALTER TABLE site_areas DROP CONSTRAINT site_areas_site_id_fkey;
-ALTER TABLE site_maps DROP CONSTRAINT site_maps_site_id_fkey;
 ALTER TABLE map_areas DROP CONSTRAINT map_areas_map_id_fkey;
 ALTER TABLE map_tiles DROP CONSTRAINT map_tiles_map_id_fkey;
 ALTER TABLE photo_tiles DROP CONSTRAINT photo_tiles_map_id_fkey, DROP CONSTRAINT photo_tiles_sha256_fkey;
@@ -326,7 +318,7 @@ DO $$
 DECLARE
   name text;
 BEGIN
-  FOREACH name IN ARRAY ARRAY['flights', 'frames', 'telemetry', 'jobs', 'regions', 'sites', 'site_areas', 'site_maps',
+  FOREACH name IN ARRAY ARRAY['flights', 'frames', 'telemetry', 'jobs', 'regions', 'sites', 'site_areas',
                               'maps', 'map_numbers', 'map_areas', 'map_tiles', 'photo_tiles', 'obstacles', 'images',
                               'sweeps', 'claims', 'told_events'] LOOP
     EXECUTE format('ALTER TABLE %I ADD COLUMN organisation text COLLATE "C" NOT NULL DEFAULT ''default''', name);
@@ -352,7 +344,6 @@ ALTER TABLE jobs ADD FOREIGN KEY (organisation, flight_id) REFERENCES flights (o
 ALTER TABLE regions ADD FOREIGN KEY (organisation, flight_id) REFERENCES flights (organisation, id) ON DELETE CASCADE;
 ALTER TABLE claims ADD FOREIGN KEY (organisation, flight_id) REFERENCES flights (organisation, id) ON DELETE CASCADE;
 ALTER TABLE site_areas ADD FOREIGN KEY (organisation, site_id) REFERENCES sites (organisation, id) ON DELETE CASCADE;
-ALTER TABLE site_maps ADD FOREIGN KEY (organisation, site_id) REFERENCES sites (organisation, id) ON DELETE CASCADE;
 ALTER TABLE map_areas ADD FOREIGN KEY (organisation, map_id) REFERENCES maps (organisation, id) ON DELETE CASCADE;
 ALTER TABLE map_tiles ADD FOREIGN KEY (organisation, map_id) REFERENCES maps (organisation, id) ON DELETE CASCADE;
 ALTER TABLE photo_tiles
@@ -393,7 +384,7 @@ DO $$
 DECLARE
   name text;
 BEGIN
-  FOREACH name IN ARRAY ARRAY['flights', 'frames', 'telemetry', 'jobs', 'regions', 'sites', 'site_areas', 'site_maps',
+  FOREACH name IN ARRAY ARRAY['flights', 'frames', 'telemetry', 'jobs', 'regions', 'sites', 'site_areas',
                               'maps', 'map_numbers', 'map_areas', 'map_tiles', 'photo_tiles', 'obstacles', 'images',
                               'sweeps', 'claims', 'told_events', 'organisation_usage'] LOOP
     EXECUTE format('ALTER TABLE %I ENABLE ROW LEVEL SECURITY, FORCE ROW LEVEL SECURITY', name);
@@ -411,7 +402,7 @@ DO $$
 DECLARE
   name text;
 BEGIN
-  FOREACH name IN ARRAY ARRAY['sites', 'site_areas', 'site_maps', 'maps', 'map_areas', 'map_tiles', 'obstacles'] LOOP
+  FOREACH name IN ARRAY ARRAY['sites', 'site_areas', 'maps', 'map_areas', 'map_tiles', 'obstacles'] LOOP
     EXECUTE format('CREATE POLICY shared ON %I FOR SELECT USING (current_setting(''freelsd.organisation'', true) <> '''' '
                    'AND organisation IN (SELECT o.name FROM organisations o WHERE o.shares_sites))', name);
   END LOOP;
@@ -452,7 +443,7 @@ BEGIN
   EXECUTE format('GRANT USAGE ON SCHEMA %I TO freelsd_app', current_schema());
 END $$;
 GRANT SELECT, INSERT, UPDATE, DELETE ON
-  flights, frames, telemetry, jobs, regions, sites, site_areas, site_maps, maps, map_numbers, map_areas, map_tiles,
+  flights, frames, telemetry, jobs, regions, sites, site_areas, maps, map_numbers, map_areas, map_tiles,
   photo_tiles, obstacles, images, sweeps, claims, told_events, organisations, organisation_usage, workers TO freelsd_app;
 -- Of the processes, without content.
 GRANT SELECT, UPDATE ON versions, owners TO freelsd_app;

@@ -149,7 +149,7 @@ std::optional<std::string> ReadTileRow(const Connection& connection,
   return statement.Text(0);
 }
 
-BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const BoundingBox& box) {
+BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
   Statement statement = SelectMaps(connection,
                                    "WHERE is_in_force = 1 AND south_deg <= ?4 AND north_deg >= ?2 "
                                    "AND CASE WHEN west_deg <= east_deg "

@@ -33,7 +33,7 @@ std::optional<std::string> ReadTileRow(const Connection& connection,
                                        const std::string& map_id,
                                        const TileKey& key);
 // The box must not cross the antimeridian.
-BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const BoundingBox& box);
+BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 // Image files of the photo tiles of these maps that neither a frame nor another map needs.
 std::vector<std::string> OwnPhotoFiles(const Connection& connection,
                                        const std::vector<std::string>& map_ids);

@@ -94,8 +94,8 @@ CREATE TABLE sites (
   superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
   is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
-  map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
-  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map if it is one of maps; of a doubt also the site whose map it is
+  map_id TEXT NOT NULL,                      -- of maps; '': nothing was reconstructed
+  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, or the one that doubts; '' for none
   seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
 ) STRICT;
 CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
@@ -105,12 +105,6 @@ CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS
 CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 CREATE INDEX sites_by_flight ON sites (flight_id);
 CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
-
--- The site's own map. Older programs stored one for each site.
-CREATE TABLE site_maps (
-  site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
-  map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
-) STRICT;
 
 -- The columns of a site that emergency recall reads, by number: an R*Tree needs integer keys.
 CREATE TABLE site_numbers (

@@ -4,7 +4,6 @@
 
 #include "storage/boxes.h"
 #include "storage/sqlite/checksum.h"
-#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/storage_error.h"
 
@@ -57,7 +56,7 @@ Row Checked(const Row& row, const Statement& statement, int column) {
   return row;
 }
 
-SiteRow RowOf(const Statement& statement) {
+SiteRow SiteRowOf(const Statement& statement) {
   SiteRow site;
   site.id = statement.Text(0);
   site.flight_id = statement.Text(1);
@@ -186,24 +185,17 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
 
 }  // namespace
 
-void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob) {
+void PutSiteRows(const Connection& writer, const SiteRow& site) {
   PutSiteRow(writer, site);
   PutStandings(writer, {{site.id, site}});
   PutRecall(writer, site);
   PutBox(writer, site);
-  if (map_blob.empty()) {
-    writer.Prepare("DELETE FROM site_maps WHERE site_id = ?1").Bind(site.id).Run();
-  } else {
-    writer.Prepare("INSERT OR REPLACE INTO site_maps VALUES (?1, ?2)")
-        .Bind(site.id, Blob{map_blob})
-        .Run();
-  }
 }
 
 std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id) {
   Statement statement = SelectSites(connection, "WHERE id = ?1");
   if (!statement.Bind(site_id).Step()) return std::nullopt;
-  return RowOf(statement);
+  return SiteRowOf(statement);
 }
 
 std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std::string& site_id) {
@@ -240,14 +232,8 @@ std::vector<SiteRow> ListSiteRows(const Connection& connection,
                  wanted.north_deg,
                  wanted.east_deg);
   std::vector<SiteRow> sites;
-  while (statement.Step()) sites.push_back(RowOf(statement));
+  while (statement.Step()) sites.push_back(SiteRowOf(statement));
   return sites;
-}
-
-std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id) {
-  Statement statement = connection.Prepare("SELECT map FROM site_maps WHERE site_id = ?1");
-  if (!statement.Bind(site_id).Step()) return std::nullopt;
-  return statement.Text(0);
 }
 
 void ForEachMeeting(const Connection& connection,
@@ -285,27 +271,6 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   return rows;
 }
 
-BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
-  BoxCache<MapRow>::Rows rows = ListFlightMapRows(connection, box);
-  ForEachMeeting(
-      connection,
-      "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, west_deg, south_deg, "
-      "east_deg, north_deg, seen_until_us FROM site_boxes JOIN site_numbers USING (number) "
-      "JOIN sites ON sites.id = site_id WHERE map_id = '' AND",
-      box,
-      [&rows](const Statement& statement) {
-        rows.push_back({BoxOf(statement, 5),
-                        std::make_shared<const MapRow>(MapRow{statement.Text(0),
-                                                              statement.Text(1),
-                                                              statement.Int(2),
-                                                              statement.Text(3),
-                                                              statement.Int(4),
-                                                              false,
-                                                              statement.OptionalInt(9)})});
-      });
-  return rows;
-}
-
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
   writer
       .Prepare(
@@ -319,7 +284,7 @@ bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
 
 void CheckSiteRows(const Connection& connection) {
   Statement sites = SelectSites(connection, "");
-  while (sites.Step()) RowOf(sites);
+  while (sites.Step()) SiteRowOf(sites);
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "

@@ -52,8 +52,8 @@ rows_of() {
 import sqlite3, sys
 database = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True)
 for table in ("flights", "frames", "telemetry", "jobs", "regions", "sites", "maps", "map_tiles", "photo_tiles", "obstacles",
-              "site_boxes", "site_maps"):
-    key = "1" if table in ("site_boxes", "site_maps") else "1, 2, 3, 4"
+              "site_boxes"):
+    key = "1" if table == "site_boxes" else "1, 2, 3, 4"
     for row in database.execute(f"SELECT * FROM {table} ORDER BY {key}"):
         print(table, row)
 for row in database.execute("SELECT site_id, is_recallable, is_landable, altitude_m, altitude_datum, score, aircraft_json, "

@@ -83,7 +83,7 @@ std::optional<StoredStrip> StoredStripOf(const Storage& storage,
                                          FlightMaps& maps,
                                          const SiteRow& site,
                                          const WatchOptions& options) {
-  const auto map = site.map_id.empty() ? nullptr : maps.Find(storage, site.map_id);
+  const auto map = maps.Find(storage, site.map_id);
   if (!map || !map->head.photo) return std::nullopt;
   StoredStrip stored;
   stored.corners = RollOf(site);

@@ -233,7 +233,7 @@ void PostgresSide::RefuseOtherOrganisations() {
 
 void PostgresSide::Put(const MovedTable& table, const MovedRow& row) {
   if (table.name == "sites") {
-    PutSite(*connection_, SiteIn(row), {});
+    PutSite(*connection_, SiteIn(row));
   } else if (table.name == "obstacles") {
     PutMovedObstacle(*connection_, ObstacleIn(row));
   } else if (table.name == "maps") {

@@ -5,8 +5,8 @@
 #include "storage/move/move.h"
 #include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/map_rows.h"
-#include "storage/sqlite/schema.h"
 #include "storage/sqlite/obstacle_rows.h"
+#include "storage/sqlite/schema.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/storage.h"
@@ -78,9 +78,7 @@ void PutPlainRow(const Connection& writer, const MovedTable& table, const MovedR
 }
 
 void PutSite(const Connection& writer, const SiteRow& site) {
-  // Without a map, which is a row of its own here; one that is there stays.
-  const std::string map = ReadMapBlob(writer, site.id).value_or("");
-  PutSiteRows(writer, site, map);
+  PutSiteRows(writer, site);
   PutStandings(writer, {{site.id, site}});
 }
 
@@ -89,8 +87,7 @@ class SqliteSource final : public RowSource {
   explicit SqliteSource(const std::filesystem::path& folder)
       : lock_(folder), connection_(folder / kDatabaseName, Access::kRead) {
     if (SqliteSchemaVersion(connection_) == kSchemaNumber) return;
-    throw StorageError("read the database",
-                       "its schema is not this program's");
+    throw StorageError("read the database", "its schema is not this program's");
   }
   void ForEach(const MovedTable& table, const TakeRow& take) override {
     ForEachRow(connection_, table, take);

@@ -10,6 +10,7 @@
 #include "api/stored/stored.h"
 #include "tests/server/meadow.h"
 #include "tests/server/organisations/two_organisations.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -138,7 +139,7 @@ TEST_SUITE("postgresql" * doctest::skip()) {
     CHECK(south->sites.List(std::nullopt, std::nullopt).empty());
     two.north->ShareSites(true);
     CHECK(south->sites.List(std::nullopt, std::nullopt).size() == 2);
-    CHECK(south->maps.ListOf("north-flight").size() == 1);
+    CHECK(south->maps.ListOf("north-flight").size() == 2);
     CHECK(south->obstacles.List().at(0).id == "north:north-mast");
     CHECK_FALSE(south->obstacles.Delete("north-mast"));
     CHECK_FALSE(south->flights.Find("north-flight"));
@@ -155,12 +156,12 @@ TEST_SUITE("postgresql" * doctest::skip()) {
     const std::unique_ptr<Storage> south = two.storage->ForOrganisation("south");
     SiteRow site = MeadowSite("amsl");
     site.id = "south-old";
-    south->sites.Put(site, SerializeSiteMap(Meadow()));
+    PutOnMap(*south, site, Meadow());
     SiteRow far = site;
     far.id = "south-far";
     far.longitude_deg = 9.0;
     far.map_box = BoundingBox{8.99, 46.99, 9.01, 47.01};
-    south->sites.Put(far, SerializeSiteMap(Meadow()));
+    PutOnMap(*south, far, Meadow());
     Standing checked;
     checked.is_checked = true;
     south->sites.TakeTurn()->SetStandings({{"south-old", checked}, {"south-far", checked}});

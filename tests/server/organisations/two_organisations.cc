@@ -4,6 +4,7 @@
 
 #include "api/import/import.h"
 #include "tests/server/meadow_map.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -54,7 +55,7 @@ void FillGround(Storage& north) {
   own.id = "north-old";
   own.feature_json.replace(own.feature_json.find("f-r1"), 4, own.id);
   own.flight_id = "north-flight";
-  north.sites.Put(own, SerializeSiteMap(Meadow()));
+  PutOnMap(north, own, Meadow());
   ObstacleRow mast;
   mast.id = "north-mast";
   mast.feature_json =

@@ -63,7 +63,7 @@ TEST_CASE("schema: a folder of another number is refused with a sentence, and le
       {
         Storage storage(folder.path());
         storage.flights.Insert(SomeFlight("f"));
-        storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+        PutSite(storage, SomeSite("f-r3", 50.0, 8.0));
       }
       std::ofstream(folder.path() / "damaged") << "so the other program said";
       for (const std::string& name : files) {
@@ -78,7 +78,10 @@ TEST_CASE("schema: beside a database that is spoilt or gone, a copy of another n
   for (const bool is_gone : {false, true}) {
     for (const int64_t number : {kOlder, kNewer}) {
       const TemporaryFolder folder;
-      { Storage(folder.path()).sites.Put(SomeSite("f-r3", 50.0, 8.0), "map"); }
+      {
+        Storage storage(folder.path());
+        PutSite(storage, SomeSite("f-r3", 50.0, 8.0));
+      }
       SetNumber(folder.path() / "recall.db", number, ApplicationId(number));
       std::filesystem::resize_file(folder.path() / "freelsd.db", 50);
       if (is_gone) std::filesystem::remove(folder.path() / "freelsd.db");
@@ -113,11 +116,12 @@ TEST_CASE("schema: a folder of another number stays as it is also after a kill")
   std::filesystem::create_directories(killed.path());
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open((killed.path() / "freelsd.db").c_str(), &database) == SQLITE_OK);
-  const std::string sql = "PRAGMA journal_mode = WAL; CREATE TABLE sites (id TEXT); "
-                          "PRAGMA user_version = " +
-                          std::to_string(kOlder) + "; PRAGMA application_id = " +
-                          std::to_string(ApplicationId(kOlder)) +
-                          "; INSERT INTO sites VALUES ('f-r1')";
+  const std::string sql =
+      "PRAGMA journal_mode = WAL; CREATE TABLE sites (id TEXT); "
+      "PRAGMA user_version = " +
+      std::to_string(kOlder) +
+      "; PRAGMA application_id = " + std::to_string(ApplicationId(kOlder)) +
+      "; INSERT INTO sites VALUES ('f-r1')";
   REQUIRE(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
   // A folder that was in use: with its lock file.
   { const Storage storage(folder.path()); }

@@ -83,11 +83,17 @@ TEST_CASE("obstacles: a change that reached the main database alone reaches the 
 TEST_CASE("second copy: a change of the same stamp reaches the copy after a kill, too") {
   const TemporaryFolder folder;
   const std::filesystem::path copy = folder.path() / "recall.db";
-  { Storage(folder.path()).sites.Put(SomeSite("s", 50.0, 8.0), ""); }
+  {
+    Storage storage(folder.path());
+    PutSite(storage, SomeSite("s", 50.0, 8.0));
+  }
   std::filesystem::copy_file(copy, folder.path() / "former");
   SiteRow changed = SomeSite("s", 50.0, 8.0);
   changed.feature_json = R"({"changed":1})";
-  { Storage(folder.path()).sites.Put(changed, ""); }
+  {
+    Storage storage(folder.path());
+    PutSite(storage, changed);
+  }
   // The process was killed between the two commits.
   std::filesystem::rename(folder.path() / "former", copy);
   { const Storage storage(folder.path()); }
