@@ -16,7 +16,7 @@
 namespace freelsd {
 namespace {
 
-// Exit codes of sysexits.h. kExitConfig: invalid settings, or data of a newer program.
+// Exit codes of sysexits.h. kExitConfig: invalid settings, or data of another version.
 // kExitTemporary: port or folder in use, so a later start may work.
 constexpr int kExitConfig = 78;
 constexpr int kExitTemporary = 75;

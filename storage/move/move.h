@@ -80,7 +80,7 @@ std::unique_ptr<RowSource> OpenSqliteSource(const std::filesystem::path& folder)
 // Fills a file beside the database's own name, which Complete renames.
 std::unique_ptr<RowTarget> OpenSqliteTarget(const std::filesystem::path& folder);
 std::unique_ptr<RowSource> OpenPostgresSource(const std::string& url);
-// While the move is unfinished, servers refuse the schema as a newer program's.
+// While the move is unfinished, servers refuse the schema as another version's.
 std::unique_ptr<RowTarget> OpenPostgresTarget(const std::string& url);
 
 }  // namespace freelsd
