@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "api/export/map/map.h"
+#include "api/plan_json.h"
 #include "tests/server/meadow_map.h"
 #include "tests/server/openapi_check.h"
 
@@ -345,17 +346,18 @@ TEST_CASE("flight map: a landing is planned at any place, for any aircraft") {
 TEST_CASE("flight map: a site is planned on its tiles as on the whole map in memory") {
   const MeadowServer meadow = ServerWithMap();
   const SiteMap house = MeadowWithHouse();
+  const SiteMap rounded = Rounded(house.map, house.layers);
   const Replan replan = ParseReplan(MeadowSite("amsl").replan_json);
-  const StoredMapPlanner whole(replan, replan.flight.aircraft, Rounded(house.map, house.layers));
+  const StoredMapPlanner whole(replan, replan.flight.aircraft, rounded);
   const FlightContext context{"f", "amsl", LocalFrame(replan.origin)};
-  for (const auto& [east, north] : {std::pair(0.0, -4.0), std::pair(3.0, 3.0)}) {
-    CAPTURE(east);
-    const Plan plan = whole.planner.PlanFor(Eigen::Vector2d(east, north));
+  for (const Eigen::Vector2d& wind : {Eigen::Vector2d(0.0, -4.0), Eigen::Vector2d(3.0, 3.0)}) {
+    CAPTURE(wind.x());
+    const Plan plan = whole.planner.PlanFor(wind);
     REQUIRE(plan.approach);
     const nlohmann::json answer =
         GetJson(*meadow.client,
-                "/v1/sites/f-r1/approach?wind_east_mps=" + std::to_string(east) +
-                    "&wind_north_mps=" + std::to_string(north));
+                "/v1/sites/f-r1/approach?wind_east_mps=" + std::to_string(wind.x()) +
+                    "&wind_north_mps=" + std::to_string(wind.y()));
     CHECK(answer["features"] == ApproachJson(plan, context)["features"]);
     CHECK(answer["plan"]["verdict"] == NameOf(plan.verdict));
   }
