@@ -234,16 +234,9 @@ FlightRequest ParseFlightRequest(const std::string& body) {
 
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
   nlohmann::json object = ParseJson(canonical_json);
-  if (object.contains("options")) KeepKnownOptions(object["options"]);
-  // Flights of earlier versions have none: other defaults may have been in force then.
-  const bool is_experiment = object.contains(nlohmann::json::json_pointer("/options/preset"));
-  if (!object.contains("memory")) object["memory"] = is_experiment ? kNone : kKeep;
-  const std::string reason = object.value("memory_reason", "an earlier version stored the flight");
+  const std::string reason = object.at("memory_reason");
   object.erase("memory_reason");
-  // Earlier versions took names with characters that are refused now.
-  const std::string name = std::exchange(object.at("name"), "stored");
   FlightRequest request = ReadFlightRequest(object);
-  request.name = name;
   request.memory.reason = reason;
   request.canonical_json = CanonicalJson(request);
   return request;

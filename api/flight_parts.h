@@ -12,8 +12,6 @@ namespace freelsd {
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer);
 // Throws ApiError RetiredOption if the object sets a field that requests cannot set.
 void RefuseRetiredOptions(const nlohmann::json& object, const std::string& pointer);
-// Removes the options that this version does not have.
-void KeepKnownOptions(nlohmann::json& options);
 // Writes the same form with every field. Withheld is terrain.height_fusion: the preset decides it.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 

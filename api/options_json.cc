@@ -200,20 +200,6 @@ void RefuseRetiredOptions(const nlohmann::json& object, const std::string& point
   });
 }
 
-void KeepKnownOptions(nlohmann::json& options) {
-  const nlohmann::json known = OptionsValuesJson(PipelineOptions{});
-  nlohmann::json kept = nlohmann::json::object();
-  if (options.contains("preset")) kept["preset"] = options["preset"];
-  for (const auto& [stage, fields] : known.items()) {
-    for (const auto& [name, value] : fields.items()) {
-      if (options.contains(stage) && options[stage].contains(name)) {
-        kept[stage][name] = options[stage][name];
-      }
-    }
-  }
-  options = std::move(kept);
-}
-
 nlohmann::json OptionsValuesJson(const PipelineOptions& options) {
   nlohmann::json values = nlohmann::json::object();
   if (options.preset != Preset::kNone) values["preset"] = Written(options.preset);

@@ -94,11 +94,12 @@ class Storage {
   // refers to. A second copy of sites, maps and obstacles, in a database of its own, follows the
   // main database. Damaged databases are moved aside, the main one together with its images; a new
   // one then starts with what the second copy holds. A notice says so. Throws StorageError and
-  // changes nothing if another process uses the folder or a newer program wrote it.
+  // changes nothing if another process uses the folder, or a database in it has a schema of another
+  // number.
   explicit Storage(const std::filesystem::path& folder);
-  // PostgreSQL, if options.database_url is given: creates the schema in an empty database. Throws
+  // PostgreSQL, if options.database_url is given: creates the schema if there is none. Throws
   // StorageError and changes nothing if the database cannot be reached, another process uses the
-  // folder or the database, or the program of another schema wrote it.
+  // folder or the database, or the schema has another number.
   explicit Storage(const StorageOptions& options);
   ~Storage();
 

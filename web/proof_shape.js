@@ -33,7 +33,7 @@ export function nearestLimitText(limit) {
 
 export const percent = (share) => `${share > 0 && share < 0.005 ? '< 1' : Math.round(100 * share)}\u00a0%`;
 
-// Maps of earlier versions do not know which photographs were matched: then all weights are 0.
+// If no photographs were matched, all weights are 0.
 export const hasWeights = (patches) => patches.some(({ weight }) => weight > 0);
 
 // The map shows nothing there: no photograph, height or cue can be stored. An older server tells none of them either.

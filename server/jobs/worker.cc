@@ -44,7 +44,6 @@ Worker::Worker(Service& service, Classifiers classifiers)
       classifiers_(std::move(classifiers)),
       claims_(service.storage),
       open_flights_(service.storage, config_.max_num_open_flights),
-      watching_(service),
       frontend_room_(config_.data, kIdlePeriod),
       backend_room_(config_.data, kEvaluateAgainPeriod),
       frontend_thread_([this] { RunFrontend(); }),

@@ -77,7 +77,7 @@ class Worker {
   bool StepBackend();
   // Evaluates one flight: for its finish, else its best regions. Flights take turns.
   bool Evaluate();
-  // Takes one site that an older program stored, and checks it on later maps. False if no such site
+  // Takes one site that is not checked yet, and checks it on later maps. False if no such site
   // is left.
   bool CheckNextSite();
   // Finish jobs that can run, because the frontend has processed all their frames. Oldest first.

@@ -5,9 +5,9 @@
 
 namespace freelsd {
 
-// In an empty database, in one transaction. One process at a time does so; others wait. Throws
-// StorageError, and changes nothing, if the schema has another number: kNewer, if a newer program
-// wrote it.
+// Creates the schema, in one transaction, unless it is there. One process at a time does so; others
+// wait. Throws StorageError kOtherSchema, and changes nothing, if the schema there has another
+// number.
 void CreateSchema(PostgresConnection& connection);
 
 }  // namespace freelsd

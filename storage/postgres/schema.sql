@@ -1,10 +1,12 @@
--- All durable data except the image files. Whoever changes a table raises the schema's number
--- (schema.cc).
+-- All durable data except the image files. Whoever changes a table raises the schema's number (schema.cc).
 -- Times are microseconds since 1970 (UTC), but for timestamptz, which is the database's own clock.
 -- Text is compared byte by byte (COLLATE "C"). Storage does not parse the text of *_json columns.
 -- Places are found by geometry; the degrees beside it are exact.
 
 CREATE EXTENSION IF NOT EXISTS postgis;
+
+-- The number of this schema (schema.cc), in one row. Databases of another number are refused.
+CREATE TABLE schema_migrations (version bigint PRIMARY KEY);
 
 -- Increases with every commit that changes a site or obstacle, or tells an event. Its row lock makes
 -- the writers take turns, so a reader that saw a value sees all changes up to it.
@@ -115,7 +117,7 @@ CREATE TABLE sites (
   id text COLLATE "C" PRIMARY KEY,
   flight_id text COLLATE "C" NOT NULL,
   region_id bigint NOT NULL,
-  map_id text COLLATE "C" NOT NULL,           -- of maps; '': the site's own map in site_maps, or none
+  map_id text COLLATE "C" NOT NULL,           -- of maps; '': nothing was reconstructed
   latitude_deg double precision NOT NULL,     -- touchdown, WGS84
   longitude_deg double precision NOT NULL,    -- touchdown, WGS84
   touchdown geometry(Point, 4326) NOT NULL
@@ -165,13 +167,6 @@ CREATE TABLE site_areas (
   PRIMARY KEY (site_id, part)
 );
 CREATE INDEX site_areas_by_place ON site_areas USING gist (area);
-
--- The site's own map. Older programs stored one for each site.
-CREATE TABLE site_maps (
-  site_id text COLLATE "C" PRIMARY KEY REFERENCES sites ON DELETE CASCADE,
-  map bytea NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
-);
-ALTER TABLE site_maps ALTER COLUMN map SET STORAGE EXTERNAL;
 
 -- A map of a flight. It stays when the flight is deleted, so there is no foreign key to flights.
 CREATE TABLE maps (

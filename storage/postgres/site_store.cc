@@ -40,11 +40,6 @@ class PostgresSiteTurn final : public SiteTurn {
     StepSites(**writer_);
   }
 
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override {
-    PutSite(**writer_, site, map_blob);
-    PutSiteStandings(**writer_, others);
-    End();
-  }
   void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
   bool Delete(const std::string& site_id, const Standings& others) override {
     const bool was_there = DeleteSite(**writer_, site_id);
@@ -80,7 +75,7 @@ void PostgresSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings
   for (const std::string& id : rows.new_maps) {
     writer->Run("UPDATE maps SET is_in_force = true WHERE id = $1", id);
   }
-  for (const SiteRow& site : rows.sites) PutSite(*writer, site, OwnMapIn(rows, site.id));
+  for (const SiteRow& site : rows.sites) PutSite(*writer, site);
   PutSiteStandings(*writer, others);
   if (rows.deleted_flight) {
     const auto of_frames = DeleteFlightRow(*writer, *rows.deleted_flight);
@@ -149,22 +144,8 @@ std::vector<SiteRow> PostgresSiteStore::List(const std::optional<std::string>& f
   });
 }
 
-std::optional<std::string> PostgresSiteStore::ReadMap(const std::string& site_id) const {
-  return state_.Read([&](PostgresConnection& connection) -> std::optional<std::string> {
-    const PostgresRows rows =
-        connection.Run("SELECT map FROM site_maps WHERE site_id = $1", site_id);
-    if (rows.empty()) return std::nullopt;
-    return rows[0].Text(0);
-  });
-}
-
 std::vector<std::string> PostgresSiteStore::ListDependents(const std::string& site_id) const {
-  return ReadIds(
-      state_,
-      "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT id FROM sites "
-      "WHERE superseded_by_map <> '' AND superseded_by_map = $1 UNION SELECT id FROM "
-      "sites WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = $1) ORDER BY id",
-      site_id);
+  return ReadIds(state_, "SELECT id FROM sites WHERE superseded_by = $1 ORDER BY id", site_id);
 }
 
 std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::string& map_id) const {

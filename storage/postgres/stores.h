@@ -124,7 +124,6 @@ class PostgresSiteStore final : public SiteStore {
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const override;
   uint64_t Version() const override;
-  std::optional<std::string> ReadMap(const std::string& site_id) const override;
   std::vector<std::string> ListDependents(const std::string& site_id) const override;
   std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const override;
   std::vector<std::string> ListUnchecked() const override;

@@ -162,13 +162,14 @@ TEST_CASE("flight: a field of the engine that is no option of a request is refus
   CHECK(num_taken == kNumRequestFields);
 }
 
-TEST_CASE("flight: a stored request is read with all its options but those that are gone") {
+TEST_CASE("flight: a stored request is read with all its options, and refused with unknown ones") {
   nlohmann::json request =
       nlohmann::json::parse(ParseFlightRequest(R"({"name": "x"})").canonical_json);
   request["options"]["approach"]["candidate_spacing_m"] = 7.0;
-  request["options"]["approach"]["gone"] = 1.0;
-  request["options"]["gone_stage"] = {{"gone", 1}};
   CHECK(ParseStoredFlightRequest(request.dump()).options.approach.candidate_spacing_m == 7.0);
+  request["options"]["approach"]["gone"] = 1.0;
+  CHECK(ErrorOf([&] { ParseStoredFlightRequest(request.dump()); }).find("UnknownKey") !=
+        std::string::npos);
 }
 
 TEST_CASE("flight: the preset changes the aircraft only where the request does not") {

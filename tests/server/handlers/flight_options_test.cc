@@ -85,19 +85,5 @@ TEST_CASE("flight options: the service says which options can change a verdict")
   CHECK(options.at("backend").at("backend_period_frames").at("changes_verdicts") == false);
 }
 
-TEST_CASE("flight options: a stored flight of an earlier version is an experiment by its preset") {
-  const FlightRequest paper =
-      ParseStoredFlightRequest(R"({"name":"x","options":{"preset":"paper"}})");
-  CHECK_FALSE(paper.memory.is_kept);
-  // Its version may have had other defaults.
-  const FlightRequest other =
-      ParseStoredFlightRequest(R"({"name":"x","options":{"hazard":{"min_rut_contrast":0}}})");
-  CHECK(other.memory.is_kept);
-  const FlightRequest again = ParseStoredFlightRequest(paper.canonical_json);
-  CHECK_FALSE(again.memory.is_kept);
-  CHECK(again.memory.reason == paper.memory.reason);
-  CHECK_FALSE(ParseStoredFlight(paper.canonical_json).memory.is_kept);
-}
-
 }  // namespace
 }  // namespace freelsd

@@ -116,7 +116,7 @@ TEST_CASE("claims: what a silent worker had goes to another, and the silent one 
   CHECK_THROWS_WITH_AS(silent.frames.SetState("f", "1", FrameState::kProcessed, ""),
                        doctest::Contains("lease was over"),
                        StorageError);
-  CHECK_THROWS_AS(silent.sites.Put(SomeSite("s", 50.0, 8.0), ""), StorageError);
+  CHECK_THROWS_AS(PutSite(silent, SomeSite("s", 50.0, 8.0)), StorageError);
   CHECK_THROWS_AS(silent.claims.ClaimNext(), StorageError);
   CHECK_FALSE(silent.claims.Renew());
   CHECK(other.claims.Renew());
@@ -151,7 +151,7 @@ TEST_CASE("claims: a write that a silent worker has begun is ended, so nobody wa
   const std::optional<Claim> taken = ClaimWithin(other, std::chrono::seconds(5));
   REQUIRE(taken);
   CHECK(taken->num_lost == 1);
-  CHECK_THROWS_AS(turn->Put(SomeSite("s", 50.0, 8.0), "", {}), StorageError);
+  CHECK_THROWS_AS(turn->PutEvaluation({{SomeSite("s", 50.0, 8.0)}, {}, {}, {}}, {}), StorageError);
   CHECK_FALSE(other.sites.Find("s"));
 }
 
