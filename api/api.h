@@ -78,7 +78,7 @@ struct FlightRequest {
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
-// Of a stored `canonical_json`. Options that this version does not have are left out.
+// Of a stored `canonical_json`, with all of its options that this version has.
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json);
 // The same request with this datum, as if the client had given it.
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);
@@ -173,8 +173,8 @@ RankKey RankKeyOf(const nlohmann::json& site_feature);
 // FeatureCollection ordered by verdict (landable, unverified, rejected), then score; rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);
-// {options: {stage: {field: {default, unit, help, changes_verdicts}}}, aircraft_profiles: {name:
-// {…}}}.
+// {options: {preset: {default, unit, help, changes_verdicts}, stage: {field: {…}}},
+// aircraft_profiles: {name: {…}}}. The options are those that a request may set.
 nlohmann::json OptionsJson();
 // The object `limits` of GET /v1/info: one number per limit. The server adds its own limits.
 nlohmann::json LimitsJson(const Limits& limits);

@@ -71,6 +71,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"RangeNotSatisfiable", 416, "The range cannot be served", 0},
     {"InvalidValue", 422, "A value is not valid", 0},
     {"UnknownKey", 422, "A key is unknown", 0},
+    {"RetiredOption", 422, "The option is retired", 0},
     {"InvalidId", 422, "The id is not valid", 0},
     {"InvalidAirspace", 422, "The airspace file cannot be used", 0},
     {"InvalidPoses", 422, "The pose file cannot be used", 0},
@@ -88,14 +89,11 @@ constexpr ErrorKind kErrorKinds[] = {
     {"TooManyLinks", 429, "Too many links report", 5},
     {"TooManyRequests", 429, "Too many requests", 1},
     {"QueueFull", 429, "The frame queue is full", 1},
-    {"FrameQuota", 429, "The organisation's frames of a minute are used up", 5},
-    {"JobQuota", 429, "The organisation has too many unfinished jobs", 10},
     {"HeadersTooLarge", 431, "The request's headers are too large", 0},
     {"InternalError", 500, "The server failed", 0},
     {"Unavailable", 503, "The server cannot do this now", 2},
     {"ShuttingDown", 503, "The server is stopping", 5},
     {"StorageFull", 507, "The disk is full", 30},
-    {"ByteQuota", 507, "The organisation's storage is used up", 60},
 };
 
 const ErrorKind* FindKind(const std::string& code) {

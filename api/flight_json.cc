@@ -117,6 +117,42 @@ std::string CanonicalJson(const FlightRequest& request) {
   return object.dump();
 }
 
+// With any option: requests that are stored may have more than new ones.
+FlightRequest ReadFlightRequest(const nlohmann::json& object) {
+  ObjectReader reader(object, "");
+  reader.RefuseKeysExcept({"name",
+                           "camera",
+                           "body_from_camera",
+                           "origin",
+                           "altitude_datum",
+                           "aircraft",
+                           "options",
+                           "memory"});
+  FlightRequest request;
+  request.name = ReadName(reader);
+  if (const nlohmann::json* const camera = reader.Find("camera")) {
+    request.camera = ParseCamera(*camera, "/camera", CameraOrigin::kClient);
+  }
+  if (const nlohmann::json* const body_from_camera = reader.Find("body_from_camera")) {
+    request.body_from_camera = ParseRigid3(*body_from_camera, "/body_from_camera");
+  }
+  if (const nlohmann::json* const origin = reader.Find("origin")) {
+    request.origin = ReadGeoPoint(*origin, "/origin");
+  }
+  request.altitude_datum = ReadDatum(reader);
+  const nlohmann::json* const aircraft = reader.Find("aircraft");
+  const nlohmann::json* const options = reader.Find("options");
+  const nlohmann::json* const memory = reader.Find("memory");
+  reader.RefuseUnknownKeys();
+  if (options != nullptr) request.options = ParseOptions(*options, "/options");
+  request.aircraft = ReadAircraft(aircraft, request.options.preset);
+  request.options = WithLeastArea(std::move(request.options), options, request.aircraft);
+  CheckOptions(request.options);
+  request.memory = ReadMemory(memory, request);
+  request.canonical_json = CanonicalJson(request);
+  return request;
+}
+
 }  // namespace
 
 const char* NameOf(const FlightMemory& memory) { return memory.is_kept ? kKeep : kNone; }
@@ -190,52 +226,17 @@ nlohmann::json Rigid3Json(const Rigid3d& a_from_b) {
 
 FlightRequest ParseFlightRequest(const std::string& body) {
   const nlohmann::json object = ParseJson(body);
-  ObjectReader reader(object, "");
-  reader.RefuseKeysExcept({"name",
-                           "camera",
-                           "body_from_camera",
-                           "origin",
-                           "altitude_datum",
-                           "aircraft",
-                           "options",
-                           "memory"});
-  FlightRequest request;
-  request.name = ReadName(reader);
-  if (const nlohmann::json* const camera = reader.Find("camera")) {
-    request.camera = ParseCamera(*camera, "/camera", CameraOrigin::kClient);
+  if (object.is_object() && object.contains("options")) {
+    RefuseRetiredOptions(object.at("options"), "/options");
   }
-  if (const nlohmann::json* const body_from_camera = reader.Find("body_from_camera")) {
-    request.body_from_camera = ParseRigid3(*body_from_camera, "/body_from_camera");
-  }
-  if (const nlohmann::json* const origin = reader.Find("origin")) {
-    request.origin = ReadGeoPoint(*origin, "/origin");
-  }
-  request.altitude_datum = ReadDatum(reader);
-  const nlohmann::json* const aircraft = reader.Find("aircraft");
-  const nlohmann::json* const options = reader.Find("options");
-  const nlohmann::json* const memory = reader.Find("memory");
-  reader.RefuseUnknownKeys();
-  if (options != nullptr) request.options = ParseOptions(*options, "/options");
-  request.aircraft = ReadAircraft(aircraft, request.options.preset);
-  request.options = WithLeastArea(std::move(request.options), options, request.aircraft);
-  CheckOptions(request.options);
-  request.memory = ReadMemory(memory, request);
-  request.canonical_json = CanonicalJson(request);
-  return request;
+  return ReadFlightRequest(object);
 }
 
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
   nlohmann::json object = ParseJson(canonical_json);
-  if (object.contains("options")) KeepKnownOptions(object["options"]);
-  // Flights of earlier versions have none: other defaults may have been in force then.
-  const bool is_experiment = object.contains(nlohmann::json::json_pointer("/options/preset"));
-  if (!object.contains("memory")) object["memory"] = is_experiment ? kNone : kKeep;
-  const std::string reason = object.value("memory_reason", "an earlier version stored the flight");
+  const std::string reason = object.at("memory_reason");
   object.erase("memory_reason");
-  // Earlier versions took names with characters that are refused now.
-  const std::string name = std::exchange(object.at("name"), "stored");
-  FlightRequest request = ParseFlightRequest(object.dump());
-  request.name = name;
+  FlightRequest request = ReadFlightRequest(object);
   request.memory.reason = reason;
   request.canonical_json = CanonicalJson(request);
   return request;

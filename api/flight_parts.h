@@ -10,8 +10,8 @@ namespace freelsd {
 // Reads {preset: name, stage: {field: value}} over the preset or the defaults, and refuses unknown
 // names. No Check() is called.
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer);
-// Removes the options that this version does not have.
-void KeepKnownOptions(nlohmann::json& options);
+// Throws ApiError RetiredOption if the object sets a field that requests cannot set.
+void RefuseRetiredOptions(const nlohmann::json& object, const std::string& pointer);
 // Writes the same form with every field. Withheld is terrain.height_fusion: the preset decides it.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 

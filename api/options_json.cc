@@ -63,23 +63,83 @@ nlohmann::json Written(const T& field) {
   }
 }
 
-std::string UnitOf(std::string_view name) {
-  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {{"_m", "m"},
-                                                                      {"_m2", "m2"},
-                                                                      {"_px", "px"},
-                                                                      {"_s", "s"},
-                                                                      {"_deg", "deg"},
-                                                                      {"_mps", "m/s"},
-                                                                      {"_ratio", "ratio"},
-                                                                      {"_percent", "percent"},
-                                                                      {"_ms", "ms"},
-                                                                      {"_frames", "frames"}};
-  for (const auto& [suffix, unit] : kUnits) {
-    if (name.size() > suffix.size() && name.substr(name.size() - suffix.size()) == suffix) {
-      return std::string(unit);
-    }
-  }
-  return "";
+// A field that a request may set, and why somebody would.
+struct RequestOption {
+  std::string_view stage;
+  std::string_view name;
+  std::string_view unit;
+  std::string_view help;
+  bool changes_verdicts;
+};
+
+constexpr RequestOption kRequestOptions[] = {
+    {"tracks",
+     "assume_ground_plane",
+     "",
+     "Photographs of flat land may overlap too little to measure its height; true takes the ground "
+     "as a level plane",
+     true},
+    {"segmentation",
+     "ground_sampling_distance_m",
+     "m",
+     "A finer sampling of the photographs finds narrower fields, a coarser one is faster",
+     true},
+    {"adjustment",
+     "num_threads",
+     "",
+     "More threads shorten an evaluation on a machine whose cores are free",
+     false},
+    {"stereo",
+     "ground_sampling_distance_m",
+     "m",
+     "A finer sampling of the photographs measures smaller things, a coarser one is faster and "
+     "needs less memory",
+     true},
+    {"terrain",
+     "cell_size_m",
+     "m",
+     "Smaller cells of the map show narrower obstacles, larger ones let a slow machine keep up",
+     true},
+    {"backend",
+     "backend_period_frames",
+     "frames",
+     "Fewer frames between two evaluations give sites earlier in flight, more leave time for the "
+     "photographs",
+     false},
+    {"backend",
+     "num_backend_candidates",
+     "",
+     "A fast machine can evaluate more regions each time",
+     false},
+    {"backend",
+     "max_num_views",
+     "",
+     "Fewer key-frames in one evaluation need less memory, more let one map show more fields",
+     true},
+    {"backend",
+     "max_num_map_sites",
+     "",
+     "More sites of one map show more places to land, fewer make a shorter list",
+     false}};
+
+constexpr std::string_view kPresetHelp =
+    "paper runs every stage in its published form, to be compared with and not to land by";
+
+// Nothing if requests cannot set it.
+const RequestOption* FindRequestOption(std::string_view stage, std::string_view name) {
+  const auto* const found = std::find_if(
+      std::begin(kRequestOptions), std::end(kRequestOptions), [&](const RequestOption& option) {
+        return option.stage == stage && option.name == name;
+      });
+  return found == std::end(kRequestOptions) ? nullptr : found;
+}
+
+void RefuseRetiredOption(const std::string& stage,
+                         const std::string& name,
+                         const std::string& pointer) {
+  if (FindRequestOption(stage, name) != nullptr) return;
+  const std::string detail = stage + "." + name + ": is no longer an option of a request";
+  throw ApiError("RetiredOption", detail, {{pointer, detail}});
 }
 
 // The options that the given ones are read over: those of the preset, or the defaults.
@@ -90,31 +150,22 @@ PipelineOptions StartOf(ObjectReader& given) {
   return PaperOptions();
 }
 
-// Those that decide only when, where, how fast or with how many words the engine looks. All others
-// can change a verdict.
-constexpr std::string_view kChangesNoVerdict[] = {"backend_period_frames",
-                                                  "max_num_map_sites",
-                                                  "map_site_extent_m",
-                                                  "max_num_rejections",
-                                                  "num_backend_candidates",
-                                                  "num_threads"};
-
-bool ChangesVerdicts(std::string_view option) {
-  return std::find(std::begin(kChangesNoVerdict), std::end(kChangesNoVerdict), option) ==
-         std::end(kChangesNoVerdict);
+bool ChangesVerdicts(std::string_view stage, std::string_view name) {
+  const RequestOption* const option = FindRequestOption(stage, name);
+  return option == nullptr || option->changes_verdicts;
 }
 
-nlohmann::json DescribedOptions(const PipelineOptions& defaults) {
-  nlohmann::json described = nlohmann::json::object();
-  VisitStages(defaults, [&described](const char* stage, const auto& stage_options) {
-    nlohmann::json& fields = described[stage];
-    VisitFields(stage_options, [&fields](const char* name, const auto& field, const char* help) {
-      fields[name] = {{"default", Written(field)},
-                      {"unit", UnitOf(name)},
-                      {"help", help},
-                      {"changes_verdicts", ChangesVerdicts(name)}};
-    });
-  });
+nlohmann::json DescribedOptions() {
+  const nlohmann::json defaults = OptionsValuesJson(PipelineOptions{});
+  nlohmann::json described{
+      {"preset",
+       {{"default", nullptr}, {"unit", ""}, {"help", kPresetHelp}, {"changes_verdicts", true}}}};
+  for (const auto& [stage, name, unit, help, changes_verdicts] : kRequestOptions) {
+    described[stage][name] = {{"default", defaults.at(stage).at(name)},
+                              {"unit", unit},
+                              {"help", help},
+                              {"changes_verdicts", changes_verdicts}};
+  }
   return described;
 }
 
@@ -127,7 +178,7 @@ PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& po
     const nlohmann::json* const values = stages.Find(stage);
     if (values == nullptr) return;
     ObjectReader fields(*values, stages.PointerTo(stage));
-    VisitFields(stage_options, [&fields](const char* name, auto& field, const char*) {
+    VisitFields(stage_options, [&fields](const char* name, auto& field) {
       const nlohmann::json* const value = fields.Find(name);
       if (value == nullptr) return;
       field = Read<std::remove_reference_t<decltype(field)>>(*value, fields.PointerTo(name));
@@ -138,18 +189,15 @@ PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& po
   return options;
 }
 
-void KeepKnownOptions(nlohmann::json& options) {
-  const nlohmann::json known = OptionsValuesJson(PipelineOptions{});
-  nlohmann::json kept = nlohmann::json::object();
-  if (options.contains("preset")) kept["preset"] = options["preset"];
-  for (const auto& [stage, fields] : known.items()) {
-    for (const auto& [name, value] : fields.items()) {
-      if (options.contains(stage) && options[stage].contains(name)) {
-        kept[stage][name] = options[stage][name];
-      }
-    }
-  }
-  options = std::move(kept);
+void RefuseRetiredOptions(const nlohmann::json& object, const std::string& pointer) {
+  const PipelineOptions options;
+  VisitStages(options, [&](const std::string& stage, const auto& stage_options) {
+    if (!object.is_object() || !object.contains(stage) || !object.at(stage).is_object()) return;
+    ObjectReader fields(object.at(stage), pointer + "/" + stage);
+    VisitFields(stage_options, [&](const std::string& name, const auto&) {
+      if (fields.Find(name) != nullptr) RefuseRetiredOption(stage, name, fields.PointerTo(name));
+    });
+  });
 }
 
 nlohmann::json OptionsValuesJson(const PipelineOptions& options) {
@@ -157,9 +205,8 @@ nlohmann::json OptionsValuesJson(const PipelineOptions& options) {
   if (options.preset != Preset::kNone) values["preset"] = Written(options.preset);
   VisitStages(options, [&values](const char* stage, const auto& stage_options) {
     nlohmann::json& fields = values[stage];
-    VisitFields(stage_options, [&fields](const char* name, const auto& field, const char*) {
-      fields[name] = Written(field);
-    });
+    VisitFields(stage_options,
+                [&fields](const char* name, const auto& field) { fields[name] = Written(field); });
   });
   return values;
 }
@@ -188,7 +235,7 @@ FlightMemory DefaultMemory(const FlightRequest& request) {
   }
   for (const auto& [stage, fields] : given.items()) {
     for (const auto& [name, value] : fields.items()) {
-      if (!ChangesVerdicts(name)) continue;
+      if (!ChangesVerdicts(stage, name)) continue;
       return {false, stage + "." + name + " differs from its default and can change a verdict"};
     }
   }
@@ -200,7 +247,7 @@ nlohmann::json OptionsJson() {
   for (const std::string& name : AircraftProfileNames()) {
     profiles[name] = AircraftJson(AircraftProfile(name).value());
   }
-  return {{"options", DescribedOptions(PipelineOptions{})}, {"aircraft_profiles", profiles}};
+  return {{"options", DescribedOptions()}, {"aircraft_profiles", profiles}};
 }
 
 }  // namespace freelsd

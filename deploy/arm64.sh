@@ -47,7 +47,7 @@ fi
 export FREELSD_SYSROOT="$sysroot"
 
 begin "building"
-build arm64 freelsd-server freelsd-migrate freelsd_web
+build arm64 freelsd-server freelsd_web
 
 begin "packing"
 DEB_HOST_ARCH=arm64 pack arm64

@@ -93,7 +93,7 @@ install_what_is_missing() {
   cd "$deploy/.."
   # shellcheck disable=SC2119
   install_packages
-  build release freelsd-server freelsd-migrate freelsd_web
+  build release freelsd-server freelsd_web
   setting[server]="$PWD/build/release/server/freelsd-server"
   if has_systemd; then
     cmake --install build/release --prefix /usr/local --strip >/dev/null

@@ -1,12 +1,11 @@
 # cmake --install: the server with what it looks for beside itself, ../share/freelsd, and freelsdctl.
 # Not freelsd-train: it works on the labelled photographs of the sources.
 include(GNUInstallDirs)
-install(TARGETS freelsd-server freelsd-migrate RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS freelsd-server RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/freelsdctl DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.bash-completion
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME freelsdctl)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.1 ${PROJECT_SOURCE_DIR}/deploy/freelsd-mavlink.1
-              ${PROJECT_SOURCE_DIR}/deploy/freelsd-migrate.1
         DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsd-server.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
 install(FILES ${PROJECT_SOURCE_DIR}/engine/classification/grass_model.yml

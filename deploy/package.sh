@@ -15,7 +15,7 @@ begin "installing packages"
 install_packages package
 
 begin "building"
-build release freelsd-server freelsd-migrate freelsd_web freelsd_mavlink
+build release freelsd-server freelsd_web freelsd_mavlink
 
 begin "packing"
 pack release

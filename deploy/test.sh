@@ -229,10 +229,10 @@ start_step "a fleet"
   [ $? -eq 77 ]; } 2>&1 | tee "$work/fleet.log"
 passed_but "$work/fleet.log"
 
-start_step "move to PostgreSQL and back"
-{ tests/deploy/migrate.sh build/release engine/classification/grass_model.yml \
-  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/migrate.log"
-passed_but "$work/migrate.log"
+start_step "from SQLite to PostgreSQL"
+{ tests/deploy/move_to_postgresql.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/move.log"
+passed_but "$work/move.log"
 
 start_step "faults of a fleet, short form"
 { tests/faults/fleet.sh --flight "$work/demo/sample-flight-1-72" --rows commit,pause,api || [ $? -eq 77 ]; } 2>&1 |

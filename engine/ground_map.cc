@@ -85,21 +85,24 @@ std::vector<Points> ReconstructSome(const AdjustedBlock& block,
 
 }  // namespace
 
-ElevationMap FuseMap(const AdjustedBlock& block,
-                     const Box& box,
-                     const ImageSource& images,
-                     const PipelineOptions& options,
-                     const PairSource& points_of,
-                     std::vector<StageReport>& reports) {
+ElevationMap ReconstructMap(const AdjustedBlock& block,
+                            const Box& area,
+                            const ImageSource& images,
+                            const PipelineOptions& options,
+                            const std::function<void(double done_ratio)>& progress,
+                            std::vector<StageReport>& reports) {
+  const Box box = area.Intersection(SeenArea(block));
   if (box.IsEmpty()) return {};
   ElevationMapBuilder builder(GridAround(box.min, box.max, options.terrain.cell_size_m),
                               options.terrain);
   const std::vector<StereoPair> pairs = SelectPairs(block, options.stereo);
+  ImageCache cache(images);
   const auto num_at_once = static_cast<size_t>(std::max(1, cv::getNumThreads()));
   for (size_t first = 0; first < pairs.size(); first += num_at_once) {
+    progress(static_cast<double>(first) / static_cast<double>(pairs.size()));
     const std::span<const StereoPair> some =
         std::span(pairs).subspan(first, std::min(num_at_once, pairs.size() - first));
-    for (const Points& points : points_of(block, some)) {
+    for (const Points& points : ReconstructSome(block, some, cache, options.stereo, reports)) {
       if (!points.empty()) Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
     }
   }
@@ -109,29 +112,6 @@ ElevationMap FuseMap(const AdjustedBlock& block,
   map.tilt_sd_deg = block.tilt_sd_deg;
   return Timed(
       reports, "heights", [&] { return DecideHeights(map, block, images, options.heights); });
-}
-
-ElevationMap ReconstructMap(const AdjustedBlock& block,
-                            const Box& area,
-                            const ImageSource& images,
-                            const PipelineOptions& options,
-                            const std::function<void(double done_ratio)>& progress,
-                            std::vector<StageReport>& reports) {
-  ImageCache cache(images);
-  const double num_pairs =
-      std::max(1.0, static_cast<double>(SelectPairs(block, options.stereo).size()));
-  size_t num_done = 0;
-  return FuseMap(
-      block,
-      area.Intersection(SeenArea(block)),
-      images,
-      options,
-      [&](const AdjustedBlock& of_block, std::span<const StereoPair> pairs) {
-        progress(static_cast<double>(num_done) / num_pairs);
-        num_done += pairs.size();
-        return ReconstructSome(of_block, pairs, cache, options.stereo, reports);
-      },
-      reports);
 }
 
 GroundLayers AssessGround(const ElevationMap& map,

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "engine/selection/selection.h"
@@ -18,17 +17,6 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
                             const PipelineOptions& options,
                             const std::function<void(double done_ratio)>& progress,
                             std::vector<StageReport>& reports);
-
-// The points of each of some pairs of the block.
-using PairSource =
-    std::function<std::vector<Points>(const AdjustedBlock& block, std::span<const StereoPair>)>;
-// The same of the whole box, with the points of pairs from elsewhere.
-ElevationMap FuseMap(const AdjustedBlock& block,
-                     const Box& box,
-                     const ImageSource& images,
-                     const PipelineOptions& options,
-                     const PairSource& points_of,
-                     std::vector<StageReport>& reports);
 
 struct GroundLayers {
   ElevationMap map;

@@ -236,13 +236,6 @@ Snapshot Frontend::TakeSnapshot() const {
           {}};
 }
 
-std::optional<View> Frontend::FindView(const std::string& frame_id) const {
-  const std::vector<View>& views = tracks_.views();
-  const auto found = std::find_if(
-      views.rbegin(), views.rend(), [&](const View& view) { return view.frame_id == frame_id; });
-  return found == views.rend() ? std::nullopt : std::optional(*found);
-}
-
 std::vector<StageReport> Frontend::TakeReports() { return std::exchange(reports_, {}); }
 
 std::optional<double> Frontend::GroundHeight() const {

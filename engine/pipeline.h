@@ -37,8 +37,6 @@ class Frontend {
   // Best region first, each with the current wind estimate at its centre.
   std::vector<Candidate> RankedRegions() const;
   Snapshot TakeSnapshot() const;
-  // The newest view of that frame, as it is placed now; nothing if there is none.
-  std::optional<View> FindView(const std::string& frame_id) const;
   std::vector<StageReport> TakeReports();
   // Height of the ground below the first view, world z; unknown before any view.
   std::optional<double> GroundHeight() const;

@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <set>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -91,11 +90,17 @@ HttpOptions OptionsOf(const Config& config, Listener listener) {
   return options;
 }
 
-HttpServer::Handler HandlerFor(Organisations& organisations, Listener listener) {
-  return [&organisations, listener](
+HttpServer::Handler HandlerFor(Service& service, Listener listener) {
+  return [&service, listener](
              const httplib::Request& request, BodyReader& body, httplib::Response& response) {
-    Serve(organisations, listener, request, body, response);
+    Serve(service, listener, request, body, response);
   };
+}
+
+// Of recall's memory.
+CacheSizes CacheSizesOf(const Config& config) {
+  const size_t num_bytes = static_cast<size_t>(config.recall_cache_mib) << 20;
+  return {num_bytes / 2, num_bytes / 3, num_bytes / 6};
 }
 
 }  // namespace
@@ -103,79 +108,43 @@ HttpServer::Handler HandlerFor(Organisations& organisations, Listener listener) 
 App::App(const Config& config)
     : config_(config),
       base_map_(config_),
-      organisations_(config_, std::make_unique<Storage>(StorageOf(config_)), base_map_),
-      http_(OptionsOf(config_, Listener::kMain), HandlerFor(organisations_, Listener::kMain)),
+      storage_(StorageOf(config_)),
+      maps_(CacheSizesOf(config_)),
+      intake_(config_, storage_, events_),
+      alternates_(storage_, maps_, events_, static_cast<size_t>(config_.num_alternates)),
+      service_(intake_, maps_, alternates_, base_map_),
+      http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
-      sharing_(organisations_.Default().storage, CallsOfSharing()) {
-  organisations_.Default().page = ReadPageFiles(config_);
-  OpenOrganisations();
+      sharing_(storage_, events_, CallsOfSharing()) {
+  service_.page = ReadPageFiles(config_);
+  events_.CallOnNews(http_.NewsCall());
+  intake_.streams.release(MaxNumStreams(config_) - kLimits.concurrency.max_num_streams);
+  intake_.on_new_pose = [this](const std::string& flight_id) { alternates_.Wake(flight_id); };
+  intake_.wake_worker = [this] {
+    if (worker_) worker_->Wake();
+  };
+  if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
   if (config_.emergency) {
-    emergency_http_ = std::make_unique<HttpServer>(
-        OptionsOf(config_, Listener::kEmergency), HandlerFor(organisations_, Listener::kEmergency));
+    emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
+                                                   HandlerFor(service_, Listener::kEmergency));
     emergency_port_ = emergency_http_->Bind(config_.emergency->host, config_.emergency->port);
   }
-  if (config_.role != Role::kApi) worker_.emplace(organisations_, ReadModels(config_));
+  if (config_.role != Role::kApi) worker_.emplace(service_, ReadModels(config_));
   sharing_.Start();
   if (!config_.follow.empty()) BeginToFollow();
 }
 
 void App::BeginToFollow() {
-  Organisation& own = *organisations_.Find(kDefaultOrganisation);
   follower_ = std::make_unique<Follower>(
-      *own.storage,
-      own.maps,
-      own.service.copy,
-      FollowOptionsOf(config_),
-      [&own](const MergeResult& merged) {
+      storage_, maps_, service_.copy, FollowOptionsOf(config_), [this](const MergeResult& merged) {
         for (const SiteRow& site : merged.sites) {
-          own.events.Publish("site",
-                             site.flight_id,
-                             nlohmann::json{{"id", site.id}, {"flight_id", site.flight_id}}.dump());
+          events_.Publish("site",
+                          site.flight_id,
+                          nlohmann::json{{"id", site.id}, {"flight_id", site.flight_id}}.dump());
         }
-        own.alternates.WakeAll();
+        alternates_.WakeAll();
       });
   follower_->Start();
-}
-
-// Those of the tokens and the settings.
-void App::OpenOrganisations() {
-  Service& service = organisations_.Default();
-  organisations_.CallWithEach([this](const std::string& name, Organisation& organisation) {
-    organisation.events.CallOnNews(http_.NewsCall());
-    organisation.intake.streams.release(MaxNumStreams(config_) -
-                                        kLimits.concurrency.max_num_streams);
-    sharing_.CarryFrom(name, organisation.events);
-    organisation.intake.wake_worker = [this] {
-      if (worker_) worker_->Wake();
-    };
-    if (is_running_) organisation.alternates.Start();
-  });
-  if (!config_.token_file.empty()) service.tokens = TokenList::Read(config_.token_file);
-  std::set<std::string> names = service.tokens.Organisations();
-  for (const auto& [name, settings] : config_.organisations) names.insert(name);
-  names.erase(kDefaultOrganisation);
-  if (!names.empty() && service.storage.Kind() == DatabaseKind::kSqlite) {
-    throw ConfigError("token file: organisation " + *names.begin() +
-                      " needs --database: SQLite has one organisation");
-  }
-  for (const std::string& name : names) organisations_.Of(name);
-  // Nobody else works for those of earlier tokens; on a shared database, a claim opens them.
-  if (!service.storage.claims.IsShared()) {
-    for (const std::string& name : service.storage.claims.ListOrganisations()) {
-      organisations_.Of(name);
-    }
-  }
-  if (config_.role == Role::kWorker || service.storage.Kind() == DatabaseKind::kSqlite) return;
-  // Who is no longer in the settings shares no longer.
-  for (const std::string& name : service.storage.claims.ListOrganisations()) {
-    const auto found = config_.organisations.find(name);
-    const bool is_shared = found != config_.organisations.end() && found->second.shares_sites;
-    if (const Organisation* open = organisations_.Find(name)) {
-      open->storage->ShareSites(is_shared);
-    } else {
-      service.storage.ForOrganisation(name)->ShareSites(is_shared);
-    }
-  }
 }
 
 SharingCalls App::CallsOfSharing() {
@@ -184,14 +153,9 @@ SharingCalls App::CallsOfSharing() {
     if (worker_) worker_->Wake();
   };
   calls.on_event = [this](const SharedEvent& event) {
-    Organisation* const organisation = organisations_.Find(event.organisation);
-    if (organisation == nullptr) return;
-    organisation->events.Relay(event.type, event.flight_id, event.data);
+    events_.Relay(event.type, event.flight_id, event.data);
   };
-  calls.on_changed_sites = [this] {
-    organisations_.ForEach(
-        [](const std::string&, Organisation& each) { each.alternates.WakeAll(); });
-  };
+  calls.on_changed_sites = [this] { alternates_.WakeAll(); };
   // What its threads are doing is another server's work by now, and a new start is clean.
   calls.on_lost_lease = [] {
     spdlog::critical("this server's lease was over, and another server has its flights: it ends");
@@ -201,9 +165,8 @@ SharingCalls App::CallsOfSharing() {
 }
 
 void App::Run() {
-  is_running_ = true;
   // Alternates are for emergencies too: before others give way to these.
-  organisations_.ForEach([](const std::string&, Organisation& each) { each.alternates.Start(); });
+  alternates_.Start();
   std::thread emergency;
   if (emergency_http_) {
     emergency = std::thread([this] { emergency_http_->Run(); });
@@ -216,7 +179,7 @@ void App::Run() {
 bool App::CanRecall() const {
   try {
     // A site that does not exist is never cached, so this reads the database file.
-    organisations_.Default().storage.sites.Find("none");
+    storage_.sites.Find("none");
     return true;
   } catch (const std::exception& error) {
     spdlog::error("sites cannot be read: {}", error.what());
@@ -225,11 +188,9 @@ bool App::CanRecall() const {
 }
 
 bool App::Stop(std::chrono::milliseconds patience) {
-  organisations_.ForEach([](const std::string&, Organisation& each) {
-    each.intake.is_stopping = true;
-    each.events.Stop();
-    each.alternates.Stop();
-  });
+  intake_.is_stopping = true;
+  events_.Stop();
+  alternates_.Stop();
   if (follower_) follower_->Stop();
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();

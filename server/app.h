@@ -1,7 +1,6 @@
 // The whole service: owns storage, worker and HTTP, and starts and stops them in the right order.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -34,13 +33,14 @@ class App {
   SharingCalls CallsOfSharing();
   void BeginToFollow();
 
-  void OpenOrganisations();
-
   Config config_;
   BaseMap base_map_;
-  Organisations organisations_;
-  // Whether the threads of organisations that are opened later are to be started.
-  std::atomic<bool> is_running_{false};
+  Storage storage_;
+  EventLog events_;
+  MapCache maps_;
+  Intake intake_;
+  Alternates alternates_;
+  Service service_;
   HttpServer http_;
   int port_;
   std::unique_ptr<HttpServer> emergency_http_;

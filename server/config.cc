@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
-#include "storage/storage.h"
 
 namespace freelsd {
 namespace {
@@ -100,38 +99,6 @@ void SetRole(const std::string& role, Config& config) {
   }
 }
 
-template <typename T>
-void TakeQuota(nlohmann::json& object, const char* key, std::optional<T>& quota) {
-  if (!object.contains(key)) return;
-  quota = T{};
-  Take(object, key, *quota);
-  if (!(*quota > T{})) throw ConfigError(std::string("config file: ") + key + " must be above 0");
-}
-
-OrganisationSettings OrganisationOf(const std::string& name, nlohmann::json object) {
-  if (!IsOrganisationName(name)) {
-    throw ConfigError("organisations: \"" + name +
-                      "\" is no name; names have lower-case letters, digits and hyphens, 1 to 64");
-  }
-  if (!object.is_object()) throw ConfigError("organisations: " + name + " must be a JSON object");
-  OrganisationSettings settings;
-  Take(object, "shares_sites", settings.shares_sites);
-  TakeQuota(object, "max_num_image_bytes", settings.quotas.max_num_image_bytes);
-  TakeQuota(object, "max_frames_per_minute", settings.quotas.max_frames_per_minute);
-  TakeQuota(object, "max_num_unfinished_jobs", settings.quotas.max_num_unfinished_jobs);
-  if (object.empty()) return settings;
-  throw ConfigError("organisations: " + name + " has the unknown key " + object.begin().key());
-}
-
-void TakeOrganisations(nlohmann::json& object, Config& config) {
-  nlohmann::json organisations = nlohmann::json::object();
-  Take(object, "organisations", organisations);
-  if (!organisations.is_object()) throw ConfigError("organisations: must be a JSON object");
-  for (const auto& [name, settings] : organisations.items()) {
-    config.organisations[name] = OrganisationOf(name, settings);
-  }
-}
-
 void ReadConfigFile(const std::string& path, Config& config) {
   nlohmann::json object = ReadFile(path);
   TakePath(object, "data", config.data);
@@ -155,7 +122,6 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "max_num_open_flights", config.max_num_open_flights);
   Take(object, "num_alternates", config.num_alternates);
   Take(object, "recall_cache_mib", config.recall_cache_mib);
-  Take(object, "watches_strips", config.watches_strips);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
   Take(object, "max_image_age_days", config.max_image_age_days);
   Take(object, "max_stored_image_bytes", config.max_stored_image_bytes);
@@ -163,7 +129,6 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "max_telemetry_gap_s", config.max_telemetry_gap_s);
   Take(object, "max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s);
   TakeBaseMap(object, config);
-  TakeOrganisations(object, config);
   Take(object, "follow", config.follow);
   Take(object, "area", config.area);
   TakePath(object, "follow_token_file", config.follow_token_file);
@@ -184,9 +149,6 @@ void CheckDatabase(const Config& config) {
   if (config.database.empty()) {
     if (config.role)
       throw ConfigError("--role needs --database: roles share a PostgreSQL database");
-    if (!config.organisations.empty()) {
-      throw ConfigError("organisations need --database: SQLite has one organisation");
-    }
     if (config.images.empty()) return;
     throw ConfigError("--images needs --database: with SQLite, images are in the folder of --data");
   }

@@ -4,13 +4,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "storage/storage.h"
 
 namespace freelsd {
 
@@ -23,13 +20,6 @@ struct Address {
 // What a server does among several on one PostgreSQL database: kApi answers and stores, kWorker
 // computes, kAll does both.
 enum class Role { kApi, kWorker, kAll };
-
-// Of an organisation, which has tokens of its own.
-struct OrganisationSettings {
-  // Whether others may read its sites, maps and obstacles.
-  bool shares_sites = false;
-  Quotas quotas;
-};
 
 struct Config {
   // Folder of the database and the images; with `database`, of this process's uploads alone.
@@ -51,8 +41,6 @@ struct Config {
   std::filesystem::path page;
   // File with hashes of the accepted tokens; empty: requests need no token.
   std::filesystem::path token_file;
-  // By name. One without settings shares nothing and has no quotas. Needs `database`.
-  std::map<std::string, OrganisationSettings> organisations;
   // Host names that a request's Host header may contain in addition to loopback names.
   std::vector<std::string> allowed_hosts;
   int num_http_threads = 32;
@@ -64,8 +52,6 @@ struct Config {
   int num_alternates = 3;
   // Memory for what recall keeps between answers: sites with their maps, terrain, plans.
   int recall_cache_mib = 384;
-  // Whether new photographs are compared with stored strips (0036: many false alarms).
-  bool watches_strips = false;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
   // If a limit is exceeded, images of idle flights are removed, oldest flight first. Sites are
   // kept. 0: no limit.

@@ -16,7 +16,7 @@
 namespace freelsd {
 namespace {
 
-// Exit codes of sysexits.h. kExitConfig: invalid settings, or data of a newer program.
+// Exit codes of sysexits.h. kExitConfig: invalid settings, or data of another version.
 // kExitTemporary: port or folder in use, so a later start may work.
 constexpr int kExitConfig = 78;
 constexpr int kExitTemporary = 75;
@@ -77,8 +77,8 @@ int main(int argc, char** argv) {
   } catch (const freelsd::ConfigError& error) {
     return freelsd::Fail(error, freelsd::kExitConfig);
   } catch (const freelsd::StorageError& error) {
-    const bool is_newer = error.fault == freelsd::StorageFault::kNewer;
-    return freelsd::Fail(error, is_newer ? freelsd::kExitConfig : freelsd::kExitTemporary);
+    const bool is_other = error.fault == freelsd::StorageFault::kOtherSchema;
+    return freelsd::Fail(error, is_other ? freelsd::kExitConfig : freelsd::kExitTemporary);
   } catch (const std::exception& error) {
     return freelsd::Fail(error, freelsd::kExitTemporary);
   }

@@ -257,9 +257,7 @@ bool ServePage(const Service& service,
   throw ApiError("MethodNotAllowed", "this path supports only " + allow);
 }
 
-// `service`: the default organisation's, until the token says whose the request is.
-void Dispatch(Organisations& organisations,
-              Service*& service,
+void Dispatch(Service& service,
               Listener listener,
               const httplib::Request& request,
               BodyReader& body,
@@ -270,10 +268,9 @@ void Dispatch(Organisations& organisations,
     std::optional<std::map<std::string, std::string>> ids = Match(route.path, request.path);
     if (!ids) continue;
     if (IsMethod(route, request.method)) {
-      service = &organisations.Of(
-          service->tokens.Require(ScopeOf(route), request.get_header_value("Authorization")));
+      service.tokens.Require(ScopeOf(route), request.get_header_value("Authorization"));
       RefuseUnknownParameters(route, request);
-      route.handler(*service, {request, body, std::move(*ids)}, response);
+      route.handler(service, {request, body, std::move(*ids)}, response);
       return;
     }
     allow += (allow.empty() ? "" : ", ") + std::string(route.method);
@@ -283,8 +280,8 @@ void Dispatch(Organisations& organisations,
   if (listener == Listener::kEmergency) {
     throw ApiError("NotFound", "this listener serves only /v1/emergency, its export and /healthz");
   }
-  if (ServePage(*service, request, response)) return;
-  if (service->page.contains(request.path)) RefuseMethod("GET, HEAD", response);
+  if (ServePage(service, request, response)) return;
+  if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);
   throw ApiError("NotFound", "there is nothing at this path");
 }
 
@@ -297,20 +294,19 @@ void RefuseOtherSites(const Service& service, const httplib::Request& request) {
 }
 
 // Turns every failure into an answer. Details that are not meant for clients go to the log only.
-void DispatchSafely(Organisations& organisations,
-                    Service*& service,
+void DispatchSafely(Service& service,
                     Listener listener,
                     const httplib::Request& request,
                     BodyReader& body,
                     httplib::Response& response) {
   try {
-    RefuseOtherSites(*service, request);
-    Dispatch(organisations, service, listener, request, body, response);
+    RefuseOtherSites(service, request);
+    Dispatch(service, listener, request, body, response);
   } catch (const ApiError& error) {
     AnswerProblem(error, response);
   } catch (const StorageError& error) {
     spdlog::error("storage: {}", error.what());
-    if (error.fault == StorageFault::kDamaged) service->storage.MarkDamaged(error.what());
+    if (error.fault == StorageFault::kDamaged) service.storage.MarkDamaged(error.what());
     AnswerProblem(error.fault == StorageFault::kFull
                       ? ApiError("StorageFull", "the disk is full")
                       : ApiError("Unavailable", "storage failed; try again later"),
@@ -337,23 +333,20 @@ std::string Loggable(const std::string& text) {
 
 }  // namespace
 
-void Serve(Organisations& organisations,
+void Serve(Service& service,
            Listener listener,
            const httplib::Request& request,
            BodyReader& body,
            httplib::Response& response) {
   const auto begin = std::chrono::steady_clock::now();
   response.set_header("X-Content-Type-Options", "nosniff");
-  Service* service = &organisations.Default();
-  DispatchSafely(organisations, service, listener, request, body, response);
+  DispatchSafely(service, listener, request, body, response);
   if (!response.has_header("Cache-Control")) response.set_header("Cache-Control", "no-store");
   if (response.status == -1) response.status = 200;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - begin;
-  service->metrics.CountRequest(request.method,
-                                RouteOf(organisations.Default(), request),
-                                response.status,
-                                elapsed.count() * 1e-3);
+  service.metrics.CountRequest(
+      request.method, RouteOf(service, request), response.status, elapsed.count() * 1e-3);
   spdlog::info("{} {} {} {:.1f} ms",
                request.method,
                Loggable(request.path),

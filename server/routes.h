@@ -9,9 +9,8 @@ namespace freelsd {
 // The emergency listener has its own threads. It serves only emergency recall and /healthz.
 enum class Listener { kMain, kEmergency };
 
-// Answers the request for the organisation of its token. Answers every failure with problem+json,
-// and does not throw. Thread-safe.
-void Serve(Organisations& organisations,
+// Answers the request, every failure with problem+json, and does not throw. Thread-safe.
+void Serve(Service& service,
            Listener listener,
            const httplib::Request& request,
            BodyReader& body,

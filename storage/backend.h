@@ -21,7 +21,6 @@ struct Stores {
   MapStore& maps;
   ObstacleStore& obstacles;
   ClaimStore& claims;
-  QuotaStore& quotas;
   ChangeStore& changes;
 };
 
@@ -34,8 +33,6 @@ class StorageBackend {
 
   virtual Stores stores() = 0;
   virtual DatabaseKind Kind() const = 0;
-  virtual std::unique_ptr<StorageBackend> ForOrganisation(const std::string& name) = 0;
-  virtual void ShareSites(bool is_shared) = 0;
   virtual std::filesystem::path SpoolFolder() const = 0;
   virtual std::optional<std::string> WhyNotWritable() = 0;
   virtual void MarkDamaged(const std::string& why) = 0;

@@ -60,13 +60,4 @@ std::array<LongitudeSearch, 2> SearchesFor(const BoundingBox& box) {
   return {{{-kAnyDeg, east_deg, -kAnyDeg}, {east_deg, kAnyDeg, west_deg}}};
 }
 
-BoundingBox Mended(const BoundingBox& box) {
-  constexpr double kMarginRatio = 0.01;
-  const double margin_deg = kMarginRatio * (box.west_deg + kTurnDeg - box.east_deg);
-  return {WrappedDeg(box.east_deg - margin_deg),
-          box.south_deg,
-          WrappedDeg(box.west_deg + margin_deg),
-          box.north_deg};
-}
-
 }  // namespace freelsd

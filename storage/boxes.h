@@ -30,9 +30,4 @@ struct LongitudeSearch {
 // A box that overlaps `box` along the parallel is found by exactly one search, another box by none.
 std::array<LongitudeSearch, 2> SearchesFor(const BoundingBox& box);
 
-// Older programs stored a map across the antimeridian with a box around the rest of the earth. A
-// map that is wider than half the earth is such a map, unless it is at a pole. Returns the box that
-// was meant, a little wider, because its outer edges were not stored.
-BoundingBox Mended(const BoundingBox& box);
-
 }  // namespace freelsd

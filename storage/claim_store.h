@@ -6,15 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "storage/organisation.h"
-
 namespace freelsd {
 
 struct Claim {
   std::string flight_id;
   // Processes in a row that ended without a word while they had the flight.
   int64_t num_lost = 0;
-  std::string organisation = kDefaultOrganisation;
 };
 
 // News for the other processes.
@@ -24,7 +21,6 @@ struct SharedEvent {
   std::string type;
   std::string flight_id;
   std::string data;
-  std::string organisation = kDefaultOrganisation;
 };
 
 // Of all processes on the database.
@@ -40,8 +36,7 @@ struct LeaseCounts {
 // A worker (StorageOptions::is_worker) has a lease, which Renew prolongs by the database's clock. A
 // worker whose lease is over may lose its claims to others; from then on each of its writes throws
 // StorageError and changes nothing. With SQLite, and with a PostgreSQL database that one process
-// has for itself, every flight is that process's. All of this is about all organisations,
-// whichever the Storage is of.
+// has for itself, every flight is that process's.
 class ClaimStore {
  public:
   virtual ~ClaimStore() = default;
@@ -50,11 +45,8 @@ class ClaimStore {
 
   // False: there is nothing to claim, and no other process to tell.
   virtual bool IsShared() const = 0;
-  // Names of all organisations that have ever used the database.
-  virtual std::vector<std::string> ListOrganisations() const = 0;
   // Of the flights that have work (queued frames or unfinished jobs) and no living worker, claims
-  // one of the organisation that has the fewest claimed flights, and of these the one that was
-  // created first. Nothing if there is none.
+  // the one that was created first. Nothing if there is none.
   virtual std::optional<Claim> ClaimNext() = 0;
   // Flights of this worker, in the order of their creation.
   virtual std::vector<std::string> ListClaimed() const = 0;

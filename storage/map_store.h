@@ -42,7 +42,7 @@ struct FlightMapRow {
 };
 
 inline MapRow RowOf(const FlightMapRow& map) {
-  return {map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true, map.seen_until_us};
+  return {map.id, map.flight_id, map.altitude_datum, map.seen_at_us, map.seen_until_us};
 }
 
 using Tiles = std::vector<std::pair<TileKey, std::string>>;

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -57,8 +55,7 @@ struct Standing {
   // photographed last. On a flight's map: the nearest of its sites, or the flight if it has none.
   // Empty: the site is not superseded, but a later map may doubt it (IsDoubted).
   std::optional<std::string> superseded_by;
-  // Id of that map, if it is the map of a flight; else empty. Of a doubt: also the id of a site,
-  // whose own map it is.
+  // Id of that map, or of the one that doubts.
   std::string superseded_by_map;
   // The time at which the ground of that map was last photographed, the broken rule, and a sentence
   // with numbers. With a rule, 0 means that the order of the two maps is not known.
@@ -67,13 +64,13 @@ struct Standing {
   std::string superseded_detail;
   // Time of the latest photographs of another map on which the plan holds.
   std::optional<int64_t> confirmed_at_us;
-  // False if an older program stored the site. Its plan was then never checked on later maps.
+  // False if the plan was not checked yet on later maps that others began to share.
   bool is_checked = false;
 
   // The plan breaks a rule on a later map, which does not positively show that the ground changed.
   // Map, time, rule and sentence are those of the latest one that is later than confirmed_at_us.
   bool IsDoubted() const { return !superseded_by && !superseded_reason.empty(); }
-  // Of the flight, or site, whose map supersedes or doubts.
+  // Of the site or flight whose map supersedes, or of the flight whose map doubts.
   std::string JudgeId() const {
     return superseded_by.value_or(superseded_by_map.substr(0, superseded_by_map.find('/')));
   }
@@ -90,7 +87,7 @@ struct SiteRow : Standing {
   std::string id;
   std::string flight_id;
   int64_t region_id = 0;
-  // The flight's map that the site lies on. Empty: the site has a map of its own, or none.
+  // The flight's map that the site lies on. Empty if nothing was reconstructed.
   std::string map_id;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
@@ -101,7 +98,7 @@ struct SiteRow : Standing {
   // Input for planning the site again on its map: region, aircraft, origin, datum.
   std::string replan_json;
   int64_t updated_at_us = 0;
-  // When the ground of its own map was last photographed, at the earliest. 0: unknown.
+  // When its ground was last photographed for its map, at the earliest. 0: unknown.
   int64_t seen_at_us = 0;
   // The same at the latest. Empty: the time is exact; of an unknown time, there is no bound.
   std::optional<int64_t> seen_until_us = std::nullopt;
@@ -112,23 +109,17 @@ struct SiteRow : Standing {
   // Area of the map around the site. If empty, the site's box is its touchdown point.
   std::optional<BoundingBox> map_box;
 
-  // When the ground was last photographed: on its own map, or on a later one that confirms the
-  // plan.
+  // When the ground was last photographed: for its map, or for a later one that confirms the plan.
   int64_t LastSeenUs() const { return std::max(seen_at_us, confirmed_at_us.value_or(seen_at_us)); }
 };
 
-// Identifies one version of a map.
+// A flight's map in force, without its head.
 struct MapRow {
-  // Of the flight's map, or of the site whose own map it is.
   std::string id;
   std::string flight_id;
-  // 0 for the map of a flight, which never changes.
-  int64_t updated_at_us = 0;
   std::string altitude_datum;
   // When the ground of this map was last photographed, as in SiteRow.
   int64_t seen_at_us = 0;
-  // False: the site's own map.
-  bool is_of_flight = false;
   std::optional<int64_t> seen_until_us = std::nullopt;
 };
 
@@ -141,19 +132,11 @@ struct EvaluationRows {
   std::vector<std::string> forgotten_maps;
   // Deleted as by FlightStore::Delete.
   std::optional<std::string> deleted_flight = {};
-  // By site, of those of `sites` that have a map of their own.
-  std::map<std::string, std::string> own_maps = {};
   // Told by the server that this one follows (ChangeRow::is_known_above).
   bool is_from_above = false;
   // Those whose rows that server does not know all the same.
   std::vector<std::string> sites_unknown_above = {};
 };
-
-// The site's own map; empty: it has none.
-inline std::string_view OwnMapIn(const EvaluationRows& rows, const std::string& site_id) {
-  const auto found = rows.own_maps.find(site_id);
-  return found != rows.own_maps.end() ? std::string_view(found->second) : std::string_view();
-}
 
 // Standings to write, by site id.
 using Standings = std::vector<std::pair<std::string, Standing>>;
@@ -175,9 +158,6 @@ class SiteTurn {
   SiteTurn(const SiteTurn&) = delete;
   SiteTurn& operator=(const SiteTurn&) = delete;
 
-  // Inserts or replaces the site and its map. An empty map_blob means no map. Writes the standings
-  // of other sites in the same commit.
-  virtual void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) = 0;
   // Applies the result of an evaluation and the standings of other sites in one commit.
   virtual void PutEvaluation(const EvaluationRows& rows, const Standings& others) = 0;
   // Deletes the site, and writes the standings of other sites in the same commit. If there is no
@@ -200,9 +180,6 @@ class SiteStore {
   // Waits for the turn; what a thread with a turn must not do.
   virtual std::unique_ptr<SiteTurn> TakeTurn() = 0;
   // Each of them takes a turn for itself.
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {}) {
-    TakeTurn()->Put(site, map_blob, others);
-  }
   void PutEvaluation(const EvaluationRows& rows, const Standings& others) {
     TakeTurn()->PutEvaluation(rows, others);
   }
@@ -220,14 +197,13 @@ class SiteStore {
   // A number that increases with every change of a site. It has increased before the changing call
   // returns.
   virtual uint64_t Version() const = 0;
-  virtual std::optional<std::string> ReadMap(const std::string& site_id) const = 0;
-  // Ids of sites whose standing depends on this site's own map, or names it.
+  // Ids of sites whose standing names this site.
   virtual std::vector<std::string> ListDependents(const std::string& site_id) const = 0;
-  // The same for a flight's map.
+  // Ids of sites whose standing depends on this map.
   virtual std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const = 0;
   // Ids of accepted sites that were never checked on later maps.
   virtual std::vector<std::string> ListUnchecked() const = 0;
-  // Maps of flights, and sites' own maps (of rejected sites too), that may meet the box.
+  // Maps in force that may meet the box.
   virtual SharedRows<MapRow> ListMaps(const BoundingBox& box) const = 0;
   // Ids of sites with an approach, superseded ones and those of experiments included, whose map or
   // touchdown may meet the box.

@@ -4,12 +4,6 @@
 
 namespace freelsd {
 
-bool IsOrganisationName(std::string_view name) {
-  constexpr size_t kMaxNumBytes = 64;
-  return !name.empty() && name.size() <= kMaxNumBytes &&
-         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string_view::npos;
-}
-
 std::optional<std::string> WhyDiskIsFull(const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
@@ -46,16 +40,9 @@ Storage::Storage(std::unique_ptr<StorageBackend> backend)
       maps(backend_->stores().maps),
       obstacles(backend_->stores().obstacles),
       claims(backend_->stores().claims),
-      quotas(backend_->stores().quotas),
       changes(backend_->stores().changes) {}
 
 Storage::~Storage() = default;
-
-std::unique_ptr<Storage> Storage::ForOrganisation(const std::string& name) const {
-  return std::unique_ptr<Storage>(new Storage(backend_->ForOrganisation(name)));
-}
-
-void Storage::ShareSites(bool is_shared) const { backend_->ShareSites(is_shared); }
 
 DatabaseKind Storage::Kind() const { return backend_->Kind(); }
 

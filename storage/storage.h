@@ -25,8 +25,6 @@
 #include "storage/mbtiles.h"
 #include "storage/notices.h"
 #include "storage/obstacle_store.h"
-#include "storage/organisation.h"
-#include "storage/quota_store.h"
 #include "storage/site_store.h"
 #include "storage/storage_error.h"
 #include "storage/telemetry_store.h"
@@ -96,22 +94,14 @@ class Storage {
   // refers to. A second copy of sites, maps and obstacles, in a database of its own, follows the
   // main database. Damaged databases are moved aside, the main one together with its images; a new
   // one then starts with what the second copy holds. A notice says so. Throws StorageError and
-  // changes nothing if another process uses the folder or a newer program wrote it.
+  // changes nothing if another process uses the folder, or a database in it has a schema of another
+  // number.
   explicit Storage(const std::filesystem::path& folder);
-  // PostgreSQL, if options.database_url is given: creates or migrates the schema. Throws
+  // PostgreSQL, if options.database_url is given: creates the schema if there is none. Throws
   // StorageError and changes nothing if the database cannot be reached, another process uses the
-  // folder or the database, or a newer program wrote the schema.
+  // folder or the database, or the schema has another number.
   explicit Storage(const StorageOptions& options);
   ~Storage();
-
-  // PostgreSQL: the storage of another organisation on the same database, by the same connections.
-  // This one is of kDefaultOrganisation. Each sees its own rows and images, and the sites, maps and
-  // obstacles of organisations that share them; of those it changes at most the standing of sites,
-  // if it shares its own. Obstacles of others have the id <organisation>:<id>. Throws StorageError
-  // for SQLite.
-  std::unique_ptr<Storage> ForOrganisation(const std::string& name) const;
-  // Whether other organisations may read this one's sites, maps and obstacles.
-  void ShareSites(bool is_shared) const;
 
   FlightStore& flights;
   FrameStore& frames;
@@ -122,7 +112,6 @@ class Storage {
   MapStore& maps;
   ObstacleStore& obstacles;
   ClaimStore& claims;
-  QuotaStore& quotas;
   ChangeStore& changes;
 
   DatabaseKind Kind() const;

@@ -19,8 +19,7 @@ struct TelemetryRow {
   TelemetryKind kind = TelemetryKind::kPosition;
   int64_t timestamp_us = 0;
   std::array<double, 4> values{};
-  // When the server received the row, microseconds since 1970. If it is 0 or negative, the time is
-  // unknown, because an older version stored the row. Such a value gives only the order of arrival.
+  // When the server received the row, microseconds since 1970.
   int64_t arrived_at_us = 0;
 };
 

@@ -137,7 +137,6 @@ export const getEmergency = (request, signal) => getJson(paths.emergency(request
 
 export const getReach = (request, signal) => getJson(paths.reach(request), { signal });
 export const getObstacles = (bbox, signal) => getJson(paths.obstacles(bbox), { signal });
-export const getObstacle = (id) => getIfThere(paths.obstacle(id));
 export const getNewLook = (limit) => getJson(paths.newLook(limit));
 // path: of paths.nextLook.
 export const getNextLook = (path, signal) => getJson(path, { signal });

@@ -33,8 +33,7 @@ import { drawSiteList } from './sites.js';
 import { createStoredSites } from './stored_sites.js';
 import { askToken } from './token.js';
 import { createUpload } from './upload.js';
-import { connectViews, isVisible, showView } from './views.js';
-import { createWatch } from './watch.js';
+import { connectViews, showView } from './views.js';
 import { createWind, replanNode } from './wind.js';
 import { createWindRose } from './wind_rose.js';
 
@@ -69,7 +68,7 @@ const storedSites = createStoredSites((sites, isFirst) => {
 });
 const live = createLive(refresh, (transport) => {
   byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
-}, { map: (event) => lookAtMap(event), strip: (event) => watch.takeEvent(event) });
+}, (event) => lookAtMap(event));
 
 // --- Panel views ---
 
@@ -115,7 +114,7 @@ async function loadSite(siteId) {
 const shownSite = () => state.planned ?? state.site;
 
 function drawShownSite() {
-  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, strip: (id) => watch.find(id), obstacles });
+  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, obstacles });
   links.drawSite();
   drawLists();
 }
@@ -232,9 +231,8 @@ async function openRegion({ properties }) {
 
 function drawLists() {
   const shown = sitesWithPlan(state.sites, state.planned);
-  drawSiteList(shown, state.siteId, openSite, state.flightJson, (id) => watch.find(id));
+  drawSiteList(shown, state.siteId, openSite, state.flightJson);
   map.drawSites(shown, state.siteId);
-  watch.draw();
 }
 
 function chooseFlight(id) {
@@ -253,7 +251,6 @@ function chooseFlight(id) {
   rose.show(null);
   reach.follow(id);
   live.follow(id);
-  watch.draw();
 }
 
 // Opens the site named in the address, else selects the best one.
@@ -349,7 +346,6 @@ const emergency = createEmergency({
   flight: () => state.flight,
   flightName: () => state.flightJson?.name ?? state.flight,
   nameOf: flightName,
-  stripOf: (id) => watch.find(id),
   useReach: (own) => reach.use(own),
 });
 const reach = createReach({
@@ -364,25 +360,8 @@ const obstacles = createObstacles(map, {
   draw(features, chosen) {
     map.drawObstacles(features, chosen);
     setKey('obstacles', obstacleKey(features), chosen.note);
-    watch.takeObstacles(features, chosen.covers);
   },
   changed: () => { live.now(); reach.look(); nextLook.forget(); },
-});
-const watch = createWatch({
-  flight: () => state.flight,
-  nameOf: (id) => nameOf(id),
-  siteOf: (id) => state.sites.features.find(({ properties }) => properties.id === id),
-  draw(marks) {
-    map.drawNewThings(marks);
-    drawLists();
-    if (state.site) drawShownSite();
-    obstacles.lookAgain();
-  },
-  look({ things }) {
-    if (isVisible('upload')) showView('sites');
-    map.fitPlaces(things);
-  },
-  open: (id) => openSiteOf(state.flights.find((flight) => id.startsWith(`${flight.id}-`))?.id, id),
 });
 const newLook = createNewLook({
   open: ({ flight_id, id }) => openSiteOf(flight_id, id), mark: map.drawNewLook, fit: map.fitFeatures, flightName,

@@ -10,7 +10,6 @@ import { nearestSites } from './nearest.js';
 import { createNotices } from './notices.js';
 import { isLive } from './reach.js';
 import { groundAge_s, isKnown, windFrom, windTo } from './units.js';
-import { stripOfAnswer } from './watch_shape.js';
 
 const kRefresh_ms = 5000;
 const kRefreshLive_ms = 2000;
@@ -238,8 +237,7 @@ class Emergency {
     const cards = shown.length === 0 && miss ? [miss] : shown;
     const focused = [...byId('em-cards').querySelectorAll('button')].indexOf(document.activeElement);
     byId('em-cards').replaceChildren(...cards.map((site, i) =>
-      emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), strip: this.#on.stripOf(site.site_id) ?? stripOfAnswer(site),
-        wind: this.#wind, onShow: () => this.#show(site) })));
+      emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), wind: this.#wind, onShow: () => this.#show(site) })));
     byId('em-cards').querySelectorAll('button')[focused]?.focus();
     byId('em-warnings').replaceChildren(...this.#notices.without(warnings).map((warning) => el('li', {}, sentence(warning))));
     this.#map.show({ from, sites: cards });
@@ -296,5 +294,5 @@ class Emergency {
 
 // on: {show(site, wind of its plan; null if unknown, undefined if it was not planned), center(): place,
 // drawBearings(from, sites), flight(): id or null, flightName(), nameOf(flight id),
-// stripOf(site id): see watch.js, useReach: as of reach.js}
+// useReach: as of reach.js}
 export const createEmergency = (on) => new Emergency(on);

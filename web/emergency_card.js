@@ -3,7 +3,6 @@
 import { el, svg } from './dom.js';
 import { arrival, doubts, groundAge, sentence } from './emergency_text.js';
 import { distance, fixed, heading, isKnown, siteLetter, verdictSign } from './units.js';
-import { shortText } from './watch_shape.js';
 
 const arrow = (bearing_deg) => svg('svg', { viewBox: '-20 -20 40 40', class: 'arrow', 'aria-hidden': 'true' },
   svg('path', { d: 'M0 -17L12 13L0 6L-12 13Z', transform: `rotate(${bearing_deg})` }));
@@ -44,16 +43,15 @@ function verdictOf(site, wind) {
   };
 }
 
-// site: of the emergency answer. flightName: of its flight, if known. strip: what new photographs show
-// on it, or undefined. wind: see doubts. onShow() opens the site on the map.
-export function emergencyCard(site, index, { flightName, strip, wind, onShow }) {
+// site: of the emergency answer. flightName: of its flight, if known. wind: see doubts. onShow() opens
+// the site on the map.
+export function emergencyCard(site, index, { flightName, wind, onShow }) {
   const letter = siteLetter(index);
   const { className, text, why } = verdictOf(site, wind);
   return el('article', { class: `em-card ${className}`, 'aria-label': `Site ${letter}` },
     el('header', {}, el('span', { class: 'rank' }, letter),
       el('strong', {}, `Site ${letter} `, el('span', { class: 'em-verdict' }, text)),
       el('button', { type: 'button', 'aria-label': `Show site ${letter} on the map`, onclick: onShow }, 'Show')),
-    strip ? el('p', { class: 'new-on-strip' }, `! ${shortText(strip)}`) : null,
     course(site), facts(site, flightName),
     why ? el('p', { class: 'em-why' }, why) : null,
     (site.warnings ?? []).map((warning) => el('p', { class: 'em-why' }, `! ${sentence(warning)}`)));

@@ -28,9 +28,9 @@ async function readEvents(response, onEvent) {
   }
 }
 
-// Never runs refresh() twice at once. follow(flight) selects the flight of the events. on: {map(data), strip(data)} receives
-// the events of its map, which change nothing else, and of the stored strips that it watches.
-export function createLive(refresh, onTransport, on) {
+// Never runs refresh() twice at once. follow(flight) selects the flight of the events. onMap(data) receives the events of
+// its map, which change nothing else.
+export function createLive(refresh, onTransport, onMap) {
   let flight = null;
   let stop = new AbortController();
   let hasEvents = false;
@@ -67,8 +67,7 @@ export function createLive(refresh, onTransport, on) {
         if (!response.headers.get('Content-Type')?.startsWith('text/event-stream')) throw new Problem(501, {});
         report(true);
         await readEvents(response, (name, data) => {
-          if (name === 'strip') on.strip(JSON.parse(data));
-          if (name === 'map') on.map(JSON.parse(data));
+          if (name === 'map') onMap(JSON.parse(data));
           else now();
         });
       } catch (error) {

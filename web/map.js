@@ -61,7 +61,6 @@ export function createMap(element, on) {
   const sites = createSites(map, on.site);
   const marks = createMarks(map);
   const looks = createMarks(map);
-  const things = createMarks(map);
   const obstacles = createObstacleOverlay(map, ({ properties }) => on.obstacle(properties.id));
   const draft = createDraftOverlay(map);
   const answer = createAnswer(map);
@@ -129,7 +128,6 @@ export function createMap(element, on) {
     drawReach: reach.draw,
     drawLinks: links.draw,
     drawNewLook: (shown) => looks.draw(shown.map((mark) => ({ ...mark, className: 'new-look' }))),
-    drawNewThings: things.draw,
     drawObstacles: obstacles.draw,
     drawDraft(points, ...rest) {
       if (points) measure.end();
@@ -142,7 +140,6 @@ export function createMap(element, on) {
     // feature: GeoJSON
     panToFeature: (feature) => map.panTo(L.geoJSON(feature).getBounds().getCenter()),
     fitFeatures: (features) => fitTo(map, L.geoJSON(features).getBounds()),
-    fitPlaces: (places) => fitTo(map, L.latLngBounds(places.map(({ latitude_deg, longitude_deg }) => [latitude_deg, longitude_deg]))),
     fit,
     fitUnlessMoved() { if (!isMoved) fit(); },
     fitApproach: fitPath,

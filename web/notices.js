@@ -29,7 +29,7 @@ class Notices {
   without(warnings) { return warnings.filter((warning) => !this.#open.some(({ text }) => text === warning)); }
 
   #draw() {
-    byId('notices').replaceChildren(...this.#open.map((notice) => el('div', { class: 'strip-notice' },
+    byId('notices').replaceChildren(...this.#open.map((notice) => el('div', { class: 'store-notice' },
       el('p', {}, `! ${sentence(notice.text)}`),
       el('button', { type: 'button', onclick: () => this.#acknowledge(notice.id) }, 'Acknowledge'))));
     byId('em-notices').replaceChildren(...this.#open.map(({ text }) => el('p', {}, `! ${sentence(text)}`)));

@@ -2,8 +2,7 @@
 /* global L */
 
 import { el, svg } from './dom.js';
-import { extentOf, kinds, obstacleText, shownName } from './obstacle_shape.js';
-import { stripOf } from './watch_shape.js';
+import { extentOf, kinds, obstacleText } from './obstacle_shape.js';
 
 const kMarker = 44;  // px
 const kLabelZoom = 15;  // below it the texts would cover each other
@@ -20,7 +19,7 @@ export const signOf = (kind) => svg('svg', { viewBox: '0 0 24 24', width: 24, he
 
 const latLng = ([lon, lat]) => [lat, lon];
 
-export const nameOf = ({ properties: p }) => shownName(p.name) || kinds[p.kind].name;
+export const nameOf = ({ properties: p }) => p.name || kinds[p.kind].name;
 
 // Where the sign stands: the middle of a line, the centre of an area.
 function placeOf({ geometry: { type, coordinates } }) {
@@ -59,7 +58,7 @@ function shapesOf({ geometry: { type, coordinates }, properties: { kind, positio
 function markerOf(feature, isChosen, onChoose) {
   const { kind } = feature.properties;
   const text = obstacleText(feature);
-  const sign = el('span', {}, signOf(kind), el('b', {}, stripOf(feature) ? '' : extentOf(feature)));
+  const sign = el('span', {}, signOf(kind), el('b', {}, extentOf(feature)));
   return L.marker(placeOf(feature), {
     icon: L.divIcon({ className: `obstacle-sign${isChosen ? ' chosen' : ''}`, html: sign, iconSize: [kMarker, kMarker] }),
     title: text, alt: text, keyboard: Boolean(onChoose), interactive: Boolean(onChoose), zIndexOffset: isChosen ? 900 : -500,

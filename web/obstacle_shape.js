@@ -1,8 +1,6 @@
 // An obstacle while it is drawn (a draft) and as GeoJSON. A draft: {id, isNew, kind, points, values}; points are
 // [lon, lat] or [lon, lat, altitude_m], values are the texts of the form.
 
-import { clockOf } from './units.js';
-
 export const kinds = {
   wire: { name: 'Wire', sign: 'wire', least: 2, most: Infinity, hint: 'Tap each pylon in turn.' },
   mast: { name: 'Mast', sign: 'mast', least: 1, most: 1, hint: 'Tap the mast.' },
@@ -108,9 +106,6 @@ export function fieldOf(pointer = '') {
   return { expires_at: 'expires_h' }[last] ?? (last || null);
 }
 
-// A time in the name, as the server writes it, is shown as a time of day.
-export const shownName = (name) => name?.replace(/\d{4}-\d\d-\d\dT[\d:.]+Z/g, (time) => clockOf(time));
-
 // "45 m", "from 300 m to 900 m", "until 14:30".
 export function extentOf({ properties: p, geometry }) {
   if (p.kind === 'people') return p.expires_at ? `until ${new Date(p.expires_at).toLocaleTimeString([], { timeStyle: 'short' })}` : '';
@@ -127,5 +122,5 @@ export function extentOf({ properties: p, geometry }) {
 export function obstacleText(feature) {
   const { kind, name } = feature.properties;
   const extent = extentOf(feature);
-  return `${kinds[kind]?.name ?? kind}${name ? ` ${shownName(name)}` : ''}${extent ? `, ${extent}` : ''}`;
+  return `${kinds[kind]?.name ?? kind}${name ? ` ${name}` : ''}${extent ? `, ${extent}` : ''}`;
 }

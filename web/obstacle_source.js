@@ -54,9 +54,6 @@ class ObstacleSource {
 
   #has(box) { return this.#loaded.box !== null && isWithin(box, this.#loaded.box); }
 
-  // Whether all obstacles at a place are loaded.
-  covers({ latitude_deg: lat, longitude_deg: lon }) { return this.#has({ west: lon, south: lat, east: lon, north: lat }); }
-
   // The next look loads in any case.
   forget() { this.#loaded.at_ms = -Infinity; }
 

@@ -6,7 +6,7 @@ import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
 import { createObstacleForm } from './obstacle_form.js';
 import { nameOf, signOf } from './obstacle_overlay.js';
-import { extentOf, kinds, shownName } from './obstacle_shape.js';
+import { extentOf, kinds } from './obstacle_shape.js';
 import { boxText, createObstacleSource } from './obstacle_source.js';
 import { isVisible, showView } from './views.js';
 
@@ -56,14 +56,9 @@ class Obstacles {
 
   look() { this.#source.look(this.#map.box()); }
 
-  // Something else than this page changed them.
-  lookAgain() {
+  #reload() {
     this.#source.forget();
     this.look();
-  }
-
-  #reload() {
-    this.lookAgain();
     this.#on.changed();
   }
 
@@ -77,13 +72,12 @@ class Obstacles {
     byId('no-obstacles').hidden = features.length > 0;
     byId('no-obstacles').textContent = note || 'No obstacles in this part of the map.';
     byId('obstacles').replaceChildren(...features.map((feature) => this.#row(feature)));
-    this.#on.draw(features, { note, chosenId: isVisible('obstacles') ? this.#chosenId : null, editedId: this.#form.draft?.id ?? null,
-      covers: (place) => this.#source.covers(place) });
+    this.#on.draw(features, { note, chosenId: isVisible('obstacles') ? this.#chosenId : null, editedId: this.#form.draft?.id ?? null });
   }
 
   #row(feature) {
     const { id, kind, name } = feature.properties;
-    const what = `${kinds[kind]?.name ?? kind}${name ? ` ${shownName(name)}` : ''}`;
+    const what = `${kinds[kind]?.name ?? kind}${name ? ` ${name}` : ''}`;
     return el('li', { class: 'obstacle-row', 'data-obstacle': id },
       el('button', { type: 'button', class: 'quiet obstacle-name', 'aria-current': id === this.#chosenId ? 'true' : null,
         onclick: () => { this.#chosenId = id; this.#map.panToFeature(feature); this.#draw(); } },
@@ -110,5 +104,5 @@ class Obstacles {
 }
 
 // map: {box(), onMove(f), panToFeature(feature), drawDraft, centerPoint}
-// on: {draw(features, {chosenId, editedId, note, covers(place)}), changed(): an obstacle was saved or deleted}
+// on: {draw(features, {chosenId, editedId, note}), changed(): an obstacle was saved or deleted}
 export const createObstacles = (map, on) => new Obstacles(map, on);

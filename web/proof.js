@@ -70,7 +70,7 @@ function cueRow({ cue, log_odds, denies }) {
 const named = (title, names) => (names.length ? el('p', { class: 'faint' }, `${title}: ${names.join(', ')}.`) : null);
 
 function cues(list) {
-  if (!list) return [el('p', { class: 'faint' }, 'What tells grass from other ground here is not stored: the map is of an earlier version.')];
+  if (!list) return [el('p', { class: 'faint' }, 'What tells grass from other ground here is not stored.')];
   const { telling, silent, unknown } = cuesByWeight(list);
   return [
     telling.length ? el('table', { class: 'numbers cues' }, el('caption', {}, 'Log-odds: + for grass, − against it.'), el('tbody', {}, telling.map(cueRow))) : null,
@@ -93,7 +93,7 @@ function versionTable({ versions, evidence_digest: digest }) {
     ['Evaluated', versions?.evaluated_at && new Date(versions.evaluated_at).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' })],
     ...(digest ? [['Digest of the evidence', digest]] : [])];
   return el('table', { class: 'numbers versions' }, el('tbody', {}, rows.map(([name, value]) =>
-    el('tr', {}, el('th', { scope: 'row' }, name), el('td', {}, value || 'not stored')))));
+    el('tr', {}, el('th', { scope: 'row' }, name), el('td', {}, value)))));
 }
 
 function optionsOf(options) {

@@ -9,7 +9,7 @@ export const kMostLogOdds = 7.875;
 
 // What denies grass, or what speaks for and against it.
 const cueNames = {
-  views: 'grass in the photographs', look_alike: 'crop that looks like grass', small_object: 'small object', raised_field: 'raised field',
+  views: 'grass in the photographs', look_alike: 'crop that looks like grass', small_object: 'small object',
   overreach: 'colour unlike its meadow', fence: 'fence', prior: 'before any cue', view_log_odds: 'grass in the photographs',
   view_log_odds_near: 'grass around it', greenness_contrast: 'greener than around', detail: 'fine detail', tuft_texture: 'tufts',
   green_texture: 'texture of the green', shadow: 'shadows', row_strength: 'crop rows', rut_density: 'wheel tracks', sprayed: 'spray tracks',
@@ -33,7 +33,7 @@ export function nearestLimitText(limit) {
 
 export const percent = (share) => `${share > 0 && share < 0.005 ? '< 1' : Math.round(100 * share)}\u00a0%`;
 
-// Maps of earlier versions do not know which photographs were matched: then all weights are 0.
+// If no photographs were matched, all weights are 0.
 export const hasWeights = (patches) => patches.some(({ weight }) => weight > 0);
 
 // The map shows nothing there: no photograph, height or cue can be stored. An older server tells none of them either.

@@ -6,7 +6,6 @@ import { byId, el } from './dom.js';
 import { drawDownloads } from './downloads.js';
 import { obstacleText } from './obstacle_shape.js';
 import { age, area, distance, fixed, groundAge_s, heading, isKnown, photographed, strip, verdictSign, windText, words } from './units.js';
-import { stripText } from './watch_shape.js';
 
 const tile = (name, value, note) => el('div', { class: 'tile' },
   el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
@@ -112,11 +111,6 @@ export function drawSiteHead(p) {
 }
 
 // The obstacles that stand in the way. obstacles.find(id): the obstacle as a feature, undefined if it is not loaded.
-function drawStrip(strip) {
-  byId('site-strip').hidden = !strip;
-  byId('site-strip').replaceChildren(...(strip ? [el('strong', {}, '! Something new on the strip'), el('span', {}, stripText(strip))] : []));
-}
-
 function drawBlocked({ blocked_by: ids = [] }, obstacles) {
   byId('site-blocked').hidden = ids.length === 0;
   byId('site-blocked').replaceChildren(el('strong', {}, 'Blocked by an obstacle'), ...ids.map((id) => el('button',
@@ -137,12 +131,11 @@ function keepOpen(node, titles) {
 }
 
 // feature: the site as stored, or with the plan for a trial wind (is_trial) in place of its own.
-// on: {place(index): shows a rejection, wind(): the trial wind or null, strip(site id): what new
-// photographs show on it, or undefined, obstacles: {find(id), show(id)}}
+// on: {place(index): shows a rejection, wind(): the trial wind or null,
+// obstacles: {find(id), show(id)}}
 export function drawSite(feature, on) {
   const { properties: p, geometry } = feature;
   drawSiteHead(p);
-  drawStrip(on.strip(p.id));
   drawBlocked(p, on.obstacles);
   byId('site-tiles').replaceChildren(...tiles(p));
   byId('approach-curl').replaceChildren(curlButton('this approach', () => curlOf(paths.approach(p.id, on.wind()))));

@@ -2,7 +2,6 @@
 
 import { byId, el } from './dom.js';
 import { fixed, heading, photographed, strip, verdictSign, words } from './units.js';
-import { shortText } from './watch_shape.js';
 
 const kinds = { landable: 'Landable', unverified: 'Unverified', rejected: 'Rejected' };
 
@@ -18,7 +17,7 @@ function planNumbersOf(p) {
   return `${land}${unseen}hazard at ${fixed(p.hazard_distance_m, 0, 'm')}, strip ${strip(p)}`;
 }
 
-function row(p, isChosen, onSite, strip) {
+function row(p, isChosen, onSite) {
   return el('li', {}, el('button', {
     type: 'button', 'data-site': p.id, 'aria-pressed': isChosen, class: `site-row verdict-${p.verdict}`,
     onclick: () => onSite(p.id),
@@ -26,17 +25,16 @@ function row(p, isChosen, onSite, strip) {
   el('span', { class: 'rank', 'aria-hidden': 'true' }, p.rank),
   el('span', { class: 'site-text' },
     el('strong', {}, el('span', { class: 'sign', 'aria-hidden': 'true' }, verdictSign[p.verdict]), ` ${kinds[p.verdict]}`),
-    el('small', {}, `${numbersOf(p)}, ${photographed(p)}`),
-    strip ? el('small', { class: 'new-on-strip' }, `! ${shortText(strip)}`) : null),
+    el('small', {}, `${numbersOf(p)}, ${photographed(p)}`)),
   el('span', { class: 'score', title: 'Score, 0 to 1' }, p.verdict === 'rejected' ? '–' : p.score.toFixed(2))));
 }
 
-// flight: explains an empty list. null if there is no flight. stripOf(site id): what new photographs show on its strip, or undefined.
-export function drawSiteList(collection, chosenId, onSite, flight, stripOf) {
+// flight: explains an empty list. null if there is no flight.
+export function drawSiteList(collection, chosenId, onSite, flight) {
   const focused = document.activeElement?.dataset?.site;
   const list = byId('sites');
   list.replaceChildren(...collection.features.map(({ properties }) =>
-    row(properties, properties.id === chosenId, onSite, stripOf(properties.id))));
+    row(properties, properties.id === chosenId, onSite)));
   if (focused) list.querySelector(`[data-site="${CSS.escape(focused)}"]`)?.focus({ preventScroll: true });
   const count = collection.features.length;
   const isBusy = flight && flight.state !== 'idle' && flight.state !== 'failed';

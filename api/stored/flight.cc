@@ -26,12 +26,8 @@ StoredFlight ParseStoredFlight(const std::string& request_json) {
   if (const nlohmann::json* const aircraft = reader.Find("aircraft")) {
     flight.aircraft = ParseAircraft(*aircraft, "/aircraft");
   }
-  if (const nlohmann::json* const memory = reader.Find("memory")) {
-    flight.memory = {*memory == NameOf(FlightMemory{}),
-                     ReadString(reader.Required("memory_reason"), "/memory_reason")};
-  } else {
-    flight.memory = ParseStoredFlightRequest(request_json).memory;
-  }
+  flight.memory = {reader.Required("memory") == NameOf(FlightMemory{}),
+                   ReadString(reader.Required("memory_reason"), "/memory_reason")};
   return flight;
 }
 

@@ -8,7 +8,7 @@ namespace freelsd {
 std::string FrameMetaJson(const FrameMeta& meta) {
   nlohmann::json object = nlohmann::json::object();
   if (meta.timestamp_us) object["timestamp_us"] = *meta.timestamp_us;
-  // Absent in rows of older programs and in the meta of clients, which are compared as text.
+  // Absent in the meta of clients, which is compared as text.
   if (meta.time_source != TimeSource::kGiven) object["time_source"] = NameOf(meta.time_source);
   if (meta.position) object["position"] = GeoPointJson(*meta.position);
   if (meta.altitude_datum) object["altitude_datum"] = *meta.altitude_datum;

@@ -92,7 +92,7 @@ struct StoredClearance {
   // Least clearance of the whole path. This value is small, because every final ends at the ground.
   std::optional<double> min_clearance_m;
   // Clearance above the tightest obstacle, and the obstacle's distance to touchdown. Empty if there
-  // is no obstacle, or if an older program stored the site.
+  // is no obstacle.
   std::optional<double> obstacle_clearance_m;
   std::optional<double> obstacle_distance_m;
 };
@@ -121,7 +121,7 @@ struct StoredSite {
   std::optional<int64_t> num_observations;
   std::optional<int64_t> num_grass_observations;
   std::optional<double> area_m2;
-  // Length and width of the usable strip. Empty if an older program stored the site.
+  // Length and width of the usable strip. Empty if the site has no approach.
   std::optional<double> usable_length_m;
   std::optional<double> usable_width_m;
   std::optional<double> hazard_distance_m;
@@ -152,7 +152,7 @@ struct StoredSite {
   // Corners of the strip that must be free for the ground roll. Empty if the aircraft needs none.
   std::vector<GeoPoint> ground_roll;
   std::vector<ProfilePoint> profile;
-  // Empty if no climb clears the seen ground, or if an older program stored the site.
+  // Empty if no climb clears the seen ground.
   std::optional<StoredGoAround> go_around;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
@@ -178,18 +178,14 @@ CaptureTime SeenOf(const Row& row) {
   return {row.seen_at_us, std::max(row.seen_at_us, until_us)};
 }
 
-// --- The map of a site ---
+// --- The map around a site ---
 
-// The part of an evaluation's map around one site. It is stored, drawn and used for new plans.
+// The part of a flight's map around one site. It is drawn and used for new plans.
 using SiteMap = AssessedMap;
 // Thrown if the stored bytes differ from the bytes that were written.
 class DamagedMap : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-// Compressed and versioned, with a checksum. DeserializeSiteMap throws DamagedMap on damage and
-// std::runtime_error on another version. It never allocates more than the bytes can contain.
-std::string SerializeSiteMap(const SiteMap& site_map);
-SiteMap DeserializeSiteMap(const std::string& bytes);
 
 }  // namespace freelsd

@@ -37,7 +37,7 @@ file(WRITE ${doc}/changelog.Debian
 
 # As dh_strip does.
 run(${CPACK_FREELSD_STRIP} --strip-unneeded --remove-section=.comment --remove-section=.note
-    ${root}/usr/bin/freelsd-server ${root}/usr/bin/freelsd-migrate)
+    ${root}/usr/bin/freelsd-server)
 file(GLOB pages ${root}/usr/share/man/man*/*.[1-9])
 foreach(file ${doc}/changelog ${doc}/changelog.Debian ${pages})
   run(gzip -9nf ${file})

@@ -85,14 +85,11 @@ make_database() {
   as_user postgres env PGPASSFILE="$root/secrets/database.pass" "$programs/psql" -qX -h 127.0.0.1 \
     -p "$(database_port)" -U "$superuser" -d postgres -v ON_ERROR_STOP=1 <<END
 SELECT 'CREATE ROLE $role LOGIN' WHERE NOT EXISTS (SELECT 1 FROM pg_roles WHERE rolname = '$role') \gexec
-SELECT 'CREATE ROLE freelsd_app NOLOGIN' WHERE NOT EXISTS (SELECT 1 FROM pg_roles WHERE rolname = 'freelsd_app') \gexec
-GRANT freelsd_app TO $role;
 ALTER ROLE $role PASSWORD '$word';
 SELECT 'CREATE DATABASE $database OWNER $role' WHERE NOT EXISTS (SELECT 1 FROM pg_database WHERE datname = '$database') \gexec
 \connect $database
 SET client_min_messages = warning;
 CREATE EXTENSION IF NOT EXISTS postgis;
-ALTER FUNCTION geometry_overlaps(geometry, geometry) LEAKPROOF;
 REVOKE CREATE ON SCHEMA public FROM PUBLIC;
 GRANT CREATE ON SCHEMA public TO $role;
 END

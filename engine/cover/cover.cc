@@ -12,7 +12,6 @@
 #include "engine/cover/look_alikes.h"
 #include "engine/cover/open_cover.h"
 #include "engine/cover/overreach.h"
-#include "engine/cover/raised_fields.h"
 #include "engine/cover/small_objects.h"
 
 namespace freelsd {
@@ -70,19 +69,15 @@ class Denials {
   GroundCover& cover_;
 };
 
-// Denies closed crops, overreach of segments and fences.
+// Denies overreach of segments and fences.
 void DenySoftBorders(const ElevationMap& map,
                      const GroundSurface& surface,
                      const CoverOptions& options,
                      const Orthophoto& photo,
                      GroundCover& cover) {
+  if (photo.image.empty()) return;
   Denials denials(cover);
   const cv::Mat1b is_even = EvenGrass(map, surface, cover.grass, options);
-  if (options.min_raised_step_m > 0.0) {
-    denials.Deny("raised_field",
-                 RaisedFields(is_even, surface.elevation, map.grid.cell_size_m, options));
-  }
-  if (photo.image.empty()) return;
   if (options.min_overreach_deviations > 0.0) {
     denials.Deny("overreach", OverreachingGrass(cover.grass, photo, map.grid, options));
   }

@@ -113,20 +113,8 @@ struct CoverOptions {
   // Least fine detail of grass, as a share of its brightness. Green ground with less detail is
   // water with algae. 0: no search.
   double min_detail_ratio = 0.015;
-  // A closed crop is as even as a meadow, but higher than its surroundings. A border is raised
-  // where its step in height is at least min_raised_step_m. A field is a crop under two conditions:
-  // - Its raised border is at least min_raised_border_m long.
-  // - The raised border is at least min_raised_border_ratio of the border whose step is known.
-  // min_raised_step_m = 0: no search.
-  double min_raised_step_m = 0.6;
-  double min_raised_border_m = 30.0;
-  double min_raised_border_ratio = 0.3;
-  // To measure the step at a border, two planes of equal slope are fitted, one on each side. The
-  // step is known if the residual is at most max_border_residual_m. A strip of width border_ramp_m
-  // is left out, because stereo turns the step into a ramp. Grass counts as even up to
-  // max_even_slope_deg and max_even_roughness_m. These two limits do not depend on the aircraft.
-  double max_border_residual_m = 0.25;
-  double border_ramp_m = 3.0;
+  // Grass counts as even up to these limits, which do not depend on the aircraft. Fences are
+  // searched for on even grass.
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
   // Image segments may extend across soft borders into other ground. Therefore two mean colours are
@@ -231,7 +219,7 @@ struct GroundCover {
   std::vector<CueLayer> cues;
 };
 
-// If the orthophoto is empty, only raised fields are searched for.
+// If the orthophoto is empty, nothing is searched for.
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
                         const std::vector<GrassView>& grass_views,

@@ -45,11 +45,6 @@ void CoverOptions::Check() const {
   check.Inside("min_detail_ratio", min_detail_ratio, 0.0, 1.0);
   check.Inside("max_even_slope_deg", max_even_slope_deg, 0.0, 90.0);
   check.Inside("max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0);
-  check.Inside("max_border_residual_m", max_border_residual_m, 0.0, 100.0);
-  check.Inside("border_ramp_m", border_ramp_m, 0.0, 8.0);
-  check.Inside("min_raised_step_m", min_raised_step_m, 0.0, 100.0);
-  check.Inside("min_raised_border_m", min_raised_border_m, 0.0, 1e4);
-  check.Inside("min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0);
   check.Inside("min_overreach_deviations", min_overreach_deviations, 0.0, 1000.0);
   check.Inside("overreach_surroundings_m", overreach_surroundings_m, 1.0, 200.0);
   check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);

@@ -98,7 +98,6 @@ void RefuseMissingMaps(const Storage& storage, const std::vector<ToldChange>& ch
 // Of changes that are taken: what becomes of sites and maps, and of obstacles.
 struct Taken {
   EvaluationRows rows;
-  std::vector<const ToldChange*> sites_with_own_maps;
   ToldObstacles obstacles;
   std::vector<ChangeRow> changes;
 };
@@ -127,10 +126,8 @@ Taken TakenFromBelow(const Storage& storage, const std::vector<ToldChange>& chan
     taken.changes.push_back(told.change);
     if (told.IsRemoval()) {
       TakeRemoval(choices, told.change.key, told.change.stamp_us, taken);
-    } else if (told.site && told.own_map.empty()) {
-      taken.rows.sites.push_back(*told.site);
     } else if (told.site) {
-      taken.sites_with_own_maps.push_back(&told);
+      taken.rows.sites.push_back(*told.site);
     } else if (told.map) {
       taken.rows.new_maps.push_back(told.map->id);
     } else if (told.obstacle) {
@@ -228,7 +225,6 @@ class FromAbove {
       AddMap(site.map_id);
     }
     taken.rows.sites.push_back(site);
-    if (!told.own_map.empty()) taken.rows.own_maps[site.id] = told.own_map;
   }
 
   void AddSame(const ToldChange& told) {
@@ -279,9 +275,6 @@ MergeResult MergeFromBelow(Storage& storage,
   // First: no site is known without its obstacles.
   if (!before.obstacles.stored.empty()) storage.obstacles.Merge({before.obstacles.stored, {}});
   const Taken taken = TakeSites(storage, maps, changes);
-  for (const ToldChange* told : taken.sites_with_own_maps) {
-    StoreSite(storage, maps, *told->site, told->own_map);
-  }
   if (!taken.obstacles.removed.empty()) storage.obstacles.Merge({{}, taken.obstacles.removed});
   for (ChangeRow change : before.changes) {
     change.changed_at_us = NowUs();

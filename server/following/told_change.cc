@@ -7,7 +7,6 @@
 
 #include "api/api.h"
 #include "api/import/import.h"
-#include "server/following/base64.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -170,7 +169,7 @@ nlohmann::json RecallJson(const RecallData& data) {
           {"aircraft", nlohmann::json::parse(data.aircraft_json)}};
 }
 
-nlohmann::json SiteJson(const SiteRow& site, const std::string& own_map) {
+nlohmann::json SiteJson(const SiteRow& site) {
   nlohmann::json json{{"flight_id", site.flight_id},
                       {"region_id", site.region_id},
                       {"latitude_deg", site.latitude_deg},
@@ -183,7 +182,6 @@ nlohmann::json SiteJson(const SiteRow& site, const std::string& own_map) {
                       {"standing", StandingJson(site)}};
   if (site.seen_until_us) json["seen_until_us"] = *site.seen_until_us;
   if (!site.map_id.empty()) json["map_id"] = site.map_id;
-  if (!own_map.empty()) json["own_map"] = Base64Of(own_map);
   if (!site.approach_json.empty()) json["approach"] = nlohmann::json::parse(site.approach_json);
   if (site.recall) json["recall"] = RecallJson(*site.recall);
   if (site.map_box) json["map_box"] = BoxJson(RoundedOut(*site.map_box));
@@ -285,9 +283,6 @@ void ParseStored(const Fields& fields, ToldChange& told) {
     case ChangeSubject::kSite: {
       const Fields site(fields.At("site"), fields.PointerTo("site"));
       told.site = ParseSite(id, site);
-      const std::optional<std::string> own_map = BytesOfBase64(site.TextOr("own_map", ""));
-      if (!own_map) Refuse(site.PointerTo("own_map"), "must be base64");
-      told.own_map = *own_map;
       told.change.stamp_us = told.site->updated_at_us;
       break;
     }
@@ -315,9 +310,6 @@ std::optional<ToldChange> ReadTold(const Storage& storage, const ChangeRow& chan
   switch (change.key.subject) {
     case ChangeSubject::kSite:
       told.site = storage.sites.FindWhole(change.key.id);
-      if (told.site && told.site->map_id.empty()) {
-        told.own_map = storage.sites.ReadMap(change.key.id).value_or("");
-      }
       break;
     case ChangeSubject::kMap:
       told.map = storage.maps.Find(change.key.id);
@@ -341,7 +333,7 @@ nlohmann::json ToldJson(const ToldChange& told, const std::string& feed) {
                       {"origin", change.origin.empty() ? feed : change.origin}};
   if (told.IsRemoval()) json["stamp_us"] = change.stamp_us;
   if (told.IsRemoval() || told.has_left) return json;
-  if (told.site) json["site"] = SiteJson(*told.site, told.own_map);
+  if (told.site) json["site"] = SiteJson(*told.site);
   if (told.map) json["map"] = MapJson(*told.map);
   if (told.obstacle) json["obstacle"] = ObstacleJson(*told.obstacle);
   return json;

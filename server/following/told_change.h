@@ -17,8 +17,6 @@ struct ToldChange {
   bool has_left = false;
   // What is stored; nothing of a removal.
   std::optional<SiteRow> site;
-  // Of a site that lies on no map of a flight.
-  std::string own_map;
   // Without its head.
   std::optional<FlightMapRow> map;
   std::optional<ObstacleRow> obstacle;

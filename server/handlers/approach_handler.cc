@@ -166,7 +166,6 @@ void AddEvidence(Service& service,
                  const PlaceJudgement& judgement,
                  const Eigen::Vector2d& place_in_world,
                  nlohmann::json& answer) {
-  if (site.row.map_id.empty()) return;
   const auto map = service.maps.flight_maps().Find(service.storage, site.row.map_id);
   if (!map) return;
   answer["options"] = OptionsOfMapJson(map->head);

@@ -250,13 +250,10 @@ nlohmann::json DryRun(const Service& service,
   return answer;
 }
 
-JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload, bool is_counted) {
+JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload) {
   const FlightRow stored = ExistingFlight(service, call);
   const Admission admission = Admit(service.intake, stored, upload);
   JobRow job = NewBatchJob(stored.id, admission, upload);
-  if (!is_counted) {
-    RefuseOverQuota(service.intake, {0, static_cast<int64_t>(admission.frames.size()), 1});
-  }
   service.storage.frames.Insert(stored.id, admission.frames, job, [&](FlightRow& flight) {
     // Since the upload began.
     RefuseWhenRetired(flight);
@@ -271,10 +268,10 @@ JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload,
 // Looks at the frames again if another server has stored one of them meanwhile.
 JobRow StoreBatchBesideOthers(Service& service, const Call& call, const BatchUpload& upload) {
   try {
-    return StoreBatch(service, call, upload, false);
+    return StoreBatch(service, call, upload);
   } catch (const StorageError& error) {
     if (error.fault != StorageFault::kConflict) throw;
-    return StoreBatch(service, call, upload, true);
+    return StoreBatch(service, call, upload);
   }
 }
 

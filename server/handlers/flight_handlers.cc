@@ -171,9 +171,8 @@ void PatchFlight(Service& service, const Call& call, httplib::Response& response
 void DeleteFlight(Service& service, const Call& call, httplib::Response& response) {
   const bool forget_sites = call.QueryFlag("forget_sites");
   const std::string id = call.Id("flight");
-  // What a flight left behind is forgotten also when the flight itself is gone. With organisations,
-  // it may be what another one shares.
-  if (!forget_sites || !service.config.organisations.empty()) ExistingFlight(service, call);
+  // What a flight left behind is forgotten also when the flight itself is gone.
+  if (!forget_sites) ExistingFlight(service, call);
   const bool was_there = forget_sites ? ForgetFlight(service.storage, service.maps, id)
                                       : service.storage.flights.Delete(id);
   if (!was_there) throw ApiError("NoSuchFlight", "there is no such flight");

@@ -97,7 +97,7 @@ nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   if (row.IsDoubted()) AddDoubt(row, properties);
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
-  // The row of an older program has only the id of the later site, until the site is checked.
+  // The order of the two maps is not known.
   if (row.superseded_at_us == 0) return feature;
   properties["superseded_at"] = Rfc3339(row.superseded_at_us);
   properties["superseded_reason"] = row.superseded_reason;
@@ -148,12 +148,6 @@ std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
   if (!kept) return std::nullopt;
   const FlightRequest& flight = kept->replan.flight;
   const PipelineOptions& options = flight.options;
-  if (kept->row.map_id.empty()) {
-    SiteMap own = kept->site_map;
-    own.layers.min_grass_posterior = options.hazard.cover.min_grass_posterior;
-    own.layers = WithObstacleHazards(std::move(own.layers), kept->obstacles, {});
-    return own;
-  }
   SiteMap map = CropAround(kept->site_map.map,
                            kept->site_map.layers,
                            kept->replan.request.footprint,

@@ -107,9 +107,8 @@ void GetSite(Service& service, const Call& call, httplib::Response& response) {
 }
 
 void DeleteSite(Service& service, const Call& call, httplib::Response& response) {
-  // False for a site that another organisation shares.
   if (!ForgetSite(service.storage, service.maps, ExistingSite(service, call).id)) {
-    throw ApiError("NoSuchSite", "there is no such site of this organisation");
+    throw ApiError("NoSuchSite", "there is no such site");
   }
   service.alternates.WakeAll();
   response.status = 204;

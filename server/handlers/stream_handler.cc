@@ -15,8 +15,6 @@ namespace {
 
 // How often a full queue is checked again. Meanwhile the full socket slows the client down.
 constexpr std::chrono::milliseconds kQueuePeriod{50};
-// The same for the frames of a minute.
-constexpr std::chrono::milliseconds kQuotaPeriod{1000};
 
 enum class PartKind { kImage, kMeta };
 
@@ -81,10 +79,6 @@ class FrameStream {
         TakeFrame(intake_, flight_id_, frame_id, upload);
         return;
       } catch (const ApiError& error) {
-        if (error.code() == "FrameQuota") {
-          std::this_thread::sleep_for(kQuotaPeriod);
-          continue;
-        }
         if (error.code() != "QueueFull") throw;
       }
       while (!intake_.is_stopping &&

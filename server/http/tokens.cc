@@ -66,38 +66,22 @@ TokenList TokenList::Read(const std::filesystem::path& file) {
   const nlohmann::json entries = ReadList(file);
   try {
     for (const nlohmann::json& entry : entries) {
-      Token token{entry.at("sha256").get<std::string>(),
-                  {},
-                  entry.value("organisation", kDefaultOrganisation)};
+      Token token{entry.at("sha256").get<std::string>(), {}};
       if (!IsHash(token.sha256)) throw ConfigError("token file: sha256 must be 64 hex digits");
-      if (!IsOrganisationName(token.organisation)) {
-        throw ConfigError("token file: organisation \"" + token.organisation +
-                          "\": a name has lower-case letters, digits and hyphens, 1 to 64");
-      }
       for (const nlohmann::json& scope : entry.at("scopes")) {
         token.scopes.push_back(ScopeOf(scope.get<std::string>()));
       }
       list.tokens_.push_back(std::move(token));
     }
   } catch (const nlohmann::json::exception&) {
-    throw ConfigError(
-        "token file: must be a list of {\"sha256\": …, \"scopes\": […]}, each perhaps with "
-        "\"organisation\"");
+    throw ConfigError("token file: must be a list of {\"sha256\": …, \"scopes\": […]}");
   }
   if (list.tokens_.empty()) throw ConfigError("token file: must have at least one token");
   return list;
 }
 
-std::set<std::string> TokenList::Organisations() const {
-  std::set<std::string> names;
-  for (const Token& token : tokens_) names.insert(token.organisation);
-  return names;
-}
-
-std::string TokenList::Require(Scope scope, const std::string& authorization) const {
-  if (scope == Scope::kNone || (!is_asked_for_ && scope != Scope::kCommand)) {
-    return kDefaultOrganisation;
-  }
+void TokenList::Require(Scope scope, const std::string& authorization) const {
+  if (scope == Scope::kNone || (!is_asked_for_ && scope != Scope::kCommand)) return;
   if (!is_asked_for_) {
     throw ApiError("Unauthorized",
                    "a command needs a token with the scope command, and this server was started "
@@ -121,7 +105,6 @@ std::string TokenList::Require(Scope scope, const std::string& authorization) co
   if (std::find(known->scopes.begin(), known->scopes.end(), scope) == known->scopes.end()) {
     throw ApiError("Forbidden", "the token's scopes do not allow this");
   }
-  return known->organisation;
 }
 
 }  // namespace freelsd

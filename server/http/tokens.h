@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -18,21 +17,18 @@ class TokenList {
   // An empty list: requests need no token, and none may command.
   TokenList() = default;
   // Reads JSON: [{"sha256": hex of the token's SHA-256, "scopes": ["read", "ingest", "admin",
-  // "command"], "organisation": name}]. A token without an organisation is of the default one.
-  // Throws ConfigError if the file is invalid, or if anyone but the owner has access to it.
+  // "command"]}]. Throws ConfigError if the file is invalid, or if anyone but the owner has access
+  // to it.
   static TokenList Read(const std::filesystem::path& file);
 
   // `authorization`: value of the header. Throws ApiError Unauthorized if the token is missing or
-  // unknown, Forbidden if it does not grant `scope`. Returns the token's organisation.
-  std::string Require(Scope scope, const std::string& authorization) const;
-  // Of all tokens.
-  std::set<std::string> Organisations() const;
+  // unknown, Forbidden if it does not grant `scope`.
+  void Require(Scope scope, const std::string& authorization) const;
 
  private:
   struct Token {
     std::string sha256;
     std::vector<Scope> scopes;
-    std::string organisation;
   };
   bool is_asked_for_ = false;
   std::vector<Token> tokens_;

@@ -121,7 +121,7 @@ int64_t ArrivalNowUs() {
 
 std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us) {
   const bool was_clock_set = arrived_at_us >= kFirstPlausibleUs || now_us < kFirstPlausibleUs;
-  if (arrived_at_us <= 0 || !was_clock_set || arrived_at_us > now_us + kMaxAheadUs) {
+  if (!was_clock_set || arrived_at_us > now_us + kMaxAheadUs) {
     return std::nullopt;
   }
   return std::max(0.0, static_cast<double>(now_us - arrived_at_us) * 1e-6);

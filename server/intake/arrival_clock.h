@@ -15,8 +15,8 @@ constexpr int64_t kFirstPlausibleUs = 1577836800000000;
 // clock is set.
 int64_t ArrivalNowUs();
 
-// Seconds since the arrival. Nothing if the time of arrival is unknown. Reasons: an older version
-// stored the row, the server's clock was not set at that time, or it was set back since.
+// Seconds since the arrival. Nothing if the time of arrival is unknown: the server's clock was not
+// set at that time, or it was set back since.
 std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us);
 
 struct ArrivedSample {

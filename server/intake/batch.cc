@@ -10,7 +10,6 @@
 #include "api/import/import.h"
 #include "api/import/poses/poses.h"
 #include "server/http/http.h"
-#include "server/intake/quota.h"
 
 namespace freelsd {
 namespace {
@@ -133,7 +132,6 @@ void BatchUpload::AddImage(const std::string& file_name, const std::optional<std
         "TooManyParts",
         "a batch has at most " + std::to_string(kLimits.batch.max_num_images) + " images");
   }
-  if (bytes) RefuseOverQuota(intake_, {static_cast<int64_t>(bytes->size()), 0, 0});
   try {
     if (!bytes) {
       throw ApiError("ImageTooLarge",

@@ -8,7 +8,6 @@
 #include "server/intake/frame_intake.h"
 #include "server/intake/frame_resolution.h"
 #include "server/intake/num_streams.h"
-#include "server/intake/quota.h"
 #include "server/intake/state.h"
 #include "server/intake/stored_images.h"
 #include "server/intake/telemetry.h"

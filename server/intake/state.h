@@ -27,8 +27,6 @@ struct Intake {
   Storage& storage;
   EventLog& events;
   ImageLimits image_limits = kLimits.image;
-  // Of the organisation.
-  Quotas quotas;
   // Called after new input for the engine was stored.
   std::function<void()> wake_worker = [] {};
   // Called after a flight's pose or wind changed.

@@ -65,13 +65,11 @@ class Mark {
 }  // namespace
 
 void Worker::TellHeld(const std::optional<std::string>& why) {
-  organisations_.ForEach([&why](const std::string&, Organisation& each) {
-    each.service.progress.SetHeld(why);
-    JobView view(each.service);
-    for (const JobRow& job : each.storage->jobs.ListUnfinished()) {
-      each.events.Publish("job", job.flight_id, view.Json(job).dump());
-    }
-  });
+  service_.progress.SetHeld(why);
+  JobView view(service_);
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
+    service_.events.Publish("job", job.flight_id, view.Json(job).dump());
+  }
 }
 
 void Worker::GoOn(RoomWait& room) {
@@ -113,8 +111,7 @@ void Worker::Repeat(bool (Worker::*step)()) {
       has_worked = (this->*step)();
     } catch (const StorageError& error) {
       // A full disk or an I/O error: the next step retries after the idle period.
-      if (error.fault == StorageFault::kDamaged)
-        organisations_.Default().storage.MarkDamaged(error.what());
+      if (error.fault == StorageFault::kDamaged) service_.storage.MarkDamaged(error.what());
       spdlog::error("worker: {}", error.what());
     } catch (const std::exception& error) {
       spdlog::error("worker: {}", error.what());
@@ -133,7 +130,7 @@ std::vector<JobRow> Worker::ReadyFinishes() const {
   for (const JobRow& job : claims_.UnfinishedJobs()) {
     if (job.kind != "finish") continue;
     const SessionPointer session = open_flights_.Find(job.flight_id);
-    const int64_t last_sequence = LastSequenceOf(job, ServiceOf(job.flight_id).storage);
+    const int64_t last_sequence = LastSequenceOf(job, service_.storage);
     if (!session || session->flushed_through() < last_sequence) continue;
     if (session->HasUnstoredResults() || session->HasSettledBefore(last_sequence)) continue;
     ready.push_back(job);
@@ -180,29 +177,23 @@ bool Worker::CheckNextSite() {
   const auto now = std::chrono::steady_clock::now();
   if (!unchecked_listed_at_ || now - *unchecked_listed_at_ > kListUncheckedPeriod) {
     unchecked_listed_at_ = now;
-    unchecked_sites_.clear();
-    organisations_.ForEach([this](const std::string&, Organisation& each) {
-      for (const std::string& id : each.storage->sites.ListUnchecked()) {
-        unchecked_sites_.emplace_back(&each.service, id);
-      }
-    });
+    unchecked_sites_ = service_.storage.sites.ListUnchecked();
   }
   if (unchecked_sites_.empty()) return false;
-  const auto [service, site_id] = unchecked_sites_.back();
+  const std::string site_id = unchecked_sites_.back();
   // A site whose check fails is tried again when they are listed again.
   unchecked_sites_.pop_back();
-  CheckUnchecked(service->storage, service->maps, site_id);
-  service->alternates.WakeAll();
+  CheckUnchecked(service_.storage, service_.maps, site_id);
+  service_.alternates.WakeAll();
   return true;
 }
 
 void Worker::RunFinish(JobRow job, FlightSession& session) {
-  Service& service = ServiceOf(job.flight_id);
   EvaluationMark mark(
-      service.progress, EvaluationKind::kFinish, job.flight_id, job.id, session.flushed_through());
+      service_.progress, EvaluationKind::kFinish, job.flight_id, job.id, session.flushed_through());
   RunJob(job, [&](const Progress& progress) {
     const EvaluationCount evaluated =
-        EvaluateFlight(service, job.flight_id, session, EvaluationScope::kEveryGraded, progress);
+        EvaluateFlight(service_, job.flight_id, session, EvaluationScope::kEveryGraded, progress);
     mark.is_complete = true;
     return nlohmann::json{{"num_sites", evaluated.num_sites},
                           {"through_sequence", evaluated.through_sequence}};
@@ -213,12 +204,12 @@ void Worker::RunFinish(JobRow job, FlightSession& session) {
 bool Worker::ReplayNext() {
   for (JobRow& job : claims_.UnfinishedJobs()) {
     if (job.kind != "replay") continue;
-    Service& service = ServiceOf(job.flight_id);
-    const auto num_frames = static_cast<int64_t>(service.storage.frames.List(job.flight_id).size());
+    const auto num_frames =
+        static_cast<int64_t>(service_.storage.frames.List(job.flight_id).size());
     EvaluationMark mark(
-        service.progress, EvaluationKind::kReplay, job.flight_id, job.id, num_frames);
+        service_.progress, EvaluationKind::kReplay, job.flight_id, job.id, num_frames);
     RunJob(job, [&](const Progress& progress) {
-      nlohmann::json replayed = ReplayFlight(service, job.flight_id, classifiers_, progress);
+      nlohmann::json replayed = ReplayFlight(service_, job.flight_id, classifiers_, progress);
       mark.is_complete = true;
       return replayed;
     });
@@ -231,13 +222,12 @@ bool Worker::ReplayNext() {
 // `work` returns what the job's detail says in the end.
 void Worker::RunJob(JobRow& job,
                     const std::function<nlohmann::json(const Progress& progress)>& work) {
-  Service& service = ServiceOf(job.flight_id);
   job.state = JobState::kRunning;
-  UpdateJob(service, job);
-  JobProgress progress(service, job);
+  UpdateJob(service_, job);
+  JobProgress progress(service_, job);
   try {
     const nlohmann::json result = work([&](double ratio, const std::string& stage) {
-      TellProgress(service, ratio);
+      TellProgress(ratio);
       return !is_stopping_ && progress.Tell(ratio, stage);
     });
     nlohmann::json detail = nlohmann::json::parse(job.detail_json);
@@ -246,28 +236,30 @@ void Worker::RunJob(JobRow& job,
     job.state = JobState::kDone;
     job.progress_ratio = 1.0;
     job.stage.clear();
-    UpdateJob(service, job);
+    UpdateJob(service_, job);
   } catch (const StorageError&) {
     throw;
   } catch (const std::exception& error) {
     // While the server stops, the job stays unfinished: the next start continues it.
     if (is_stopping_ || !progress.is_wanted()) return;
     spdlog::error("job {}: {}", job.id, Sentence(error));
-    FailJob(service, job, Sentence(error));
+    FailJob(service_, job, Sentence(error));
   }
 }
 
 void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
-  Service& service = ServiceOf(flight_id);
   EvaluationMark mark(
-      service.progress, EvaluationKind::kPeriodic, flight_id, "", session.flushed_through());
+      service_.progress, EvaluationKind::kPeriodic, flight_id, "", session.flushed_through());
   bool is_overtaken = false;
   try {
-    EvaluateFlight(
-        service, flight_id, session, EvaluationScope::kBest, [&](double ratio, const std::string&) {
-          if (TellProgress(service, ratio)) is_overtaken = IsReadyToFinish(flight_id);
-          return !is_stopping_ && !is_overtaken;
-        });
+    EvaluateFlight(service_,
+                   flight_id,
+                   session,
+                   EvaluationScope::kBest,
+                   [&](double ratio, const std::string&) {
+                     if (TellProgress(ratio)) is_overtaken = IsReadyToFinish(flight_id);
+                     return !is_stopping_ && !is_overtaken;
+                   });
     mark.is_complete = true;
   } catch (const StorageError&) {
     throw;
@@ -275,7 +267,7 @@ void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
     // The finish evaluates the same ground and more.
     if (is_stopping_ || is_overtaken) return;
     spdlog::error("flight {}: {}", flight_id, Sentence(error));
-    service.storage.flights.Change(flight_id, [&error](FlightRow& flight) {
+    service_.storage.flights.Change(flight_id, [&error](FlightRow& flight) {
       flight.warnings_json = AddWarnings(flight.warnings_json, "evaluation", {Sentence(error)});
     });
   }
@@ -283,16 +275,16 @@ void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
 
 // Also tells the clients of finishes that wait, because their times depend on this evaluation.
 // Returns whether it was time to.
-bool Worker::TellProgress(Service& service, double done_ratio) {
-  service.progress.TellEvaluation(done_ratio);
+bool Worker::TellProgress(double done_ratio) {
+  service_.progress.TellEvaluation(done_ratio);
   const auto now = std::chrono::steady_clock::now();
   if (now - told_waiting_at_ < kWaitingPeriod) return false;
   told_waiting_at_ = now;
-  JobView view(service);
+  JobView view(service_);
   int num_told = 0;
-  for (const JobRow& job : service.storage.jobs.ListUnfinished()) {
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
     if (job.kind != "finish" || job.state != JobState::kQueued) continue;
-    service.events.Publish("job", job.flight_id, view.Json(job).dump());
+    service_.events.Publish("job", job.flight_id, view.Json(job).dump());
     if (++num_told == kMaxNumWaitingTold) break;
   }
   return true;
@@ -304,23 +296,14 @@ void Worker::RetireImages() {
     return;
   }
   retired_at_ = now;
-  // Also those of which nothing was claimed.
-  for (const std::string& name : organisations_.Default().storage.claims.ListOrganisations()) {
-    organisations_.Of(name);
-  }
-  organisations_.ForEach(
-      [this](const std::string&, Organisation& each) { RetireImagesOf(each.service); });
-}
-
-void Worker::RetireImagesOf(Service& service) {
-  for (const std::string& id : FlightsToRetire(service)) {
-    if (!service.storage.flights.RetireImages(id)) continue;
+  for (const std::string& id : FlightsToRetire(service_)) {
+    if (!service_.storage.flights.RetireImages(id)) continue;
     open_flights_.Close(id);
     spdlog::info("removed the images of flight {} to free disk space", id);
   }
-  for (const std::string& id : FlightsToRetirePicturesOf(service)) {
+  for (const std::string& id : FlightsToRetirePicturesOf(service_)) {
     spdlog::info("removed the picture of the ground of flight {} to free disk space", id);
-    service.storage.maps.RemovePhotoTiles(id);
+    service_.storage.maps.RemovePhotoTiles(id);
   }
 }
 

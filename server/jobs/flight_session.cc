@@ -50,11 +50,6 @@ std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
   return results;
 }
 
-std::optional<View> FlightSession::FindView(const std::string& frame_id) {
-  const std::lock_guard lock(frontend_mutex_);
-  return frontend_.FindView(frame_id);
-}
-
 std::vector<FrameResult> FlightSession::Flush(int64_t through_sequence) {
   const std::lock_guard lock(frontend_mutex_);
   std::vector<FrameResult> results = frontend_.Flush();

@@ -65,10 +65,6 @@ class FlightSession {
   void StoreResults(const std::vector<FrameResult>& results,
                     const std::function<void(const FrameResult&)>& store);
 
-  // Where the frontend has placed a frame; nothing if it was dropped.
-  std::optional<View> FindView(const std::string& frame_id);
-  const Camera& camera() const { return rig_.rig.camera; }
-
   // --- Both threads ---
   // cursor: sequence number of the last frame passed in. flushed_through: sequence number of the
   // last frame before the latest flush. No frame up to this number waits in the engine.

@@ -4,6 +4,5 @@
 #include "server/jobs/failure.h"
 #include "server/jobs/heap.h"
 #include "server/jobs/job_json.h"
-#include "server/jobs/organisations/organisations.h"
 #include "server/jobs/service.h"
 #include "server/jobs/worker.h"

@@ -52,7 +52,7 @@ bool OpenFlights::IsParked(const std::string& flight_id) {
   const std::lock_guard lock(mutex_);
   const auto parked = parked_at_.find(flight_id);
   if (parked == parked_at_.end()) return false;
-  if (!storage_of_(flight_id).frames.Next(flight_id, parked->second)) return true;
+  if (!storage_.frames.Next(flight_id, parked->second)) return true;
   parked_at_.erase(parked);
   return false;
 }
@@ -86,7 +86,7 @@ std::vector<std::string> OpenFlights::CloseIdle(const std::set<std::string>& bus
     const auto& [used_at, flight_id] = idle[i];
     const bool is_surplus = idle.size() - i > kMaxNumIdle && now - used_at > kMinIdleTime;
     const bool is_in_the_way = is_any_waiting && IsFull();
-    if (!is_surplus && !is_in_the_way && storage_of_(flight_id).flights.Find(flight_id)) continue;
+    if (!is_surplus && !is_in_the_way && storage_.flights.Find(flight_id)) continue;
     Park(flight_id);
     closed.push_back(flight_id);
   }

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <deque>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -22,11 +21,8 @@ class OpenFlights {
  public:
   using SessionPointer = std::shared_ptr<FlightSession>;
 
-  // `storage_of`: the storage that has the flight.
-  using StorageOf = std::function<const Storage&(const std::string& flight_id)>;
-
-  OpenFlights(StorageOf storage_of, int max_num_open)
-      : storage_of_(std::move(storage_of)), max_num_open_(static_cast<size_t>(max_num_open)) {}
+  OpenFlights(const Storage& storage, int max_num_open)
+      : storage_(storage), max_num_open_(static_cast<size_t>(max_num_open)) {}
 
   std::set<std::string> Ids() const;
   SessionPointer Find(const std::string& flight_id) const;
@@ -61,7 +57,7 @@ class OpenFlights {
       const std::set<std::string>& flights_with_jobs) const;
   void Park(const std::string& flight_id);
 
-  StorageOf storage_of_;
+  const Storage& storage_;
   size_t max_num_open_;
   // Guards open_, parked_at_ and waiting_.
   mutable std::mutex mutex_;

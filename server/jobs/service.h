@@ -29,16 +29,14 @@ constexpr size_t kMaxBytesOfPictures = size_t{32} << 20;
 
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
-  Service(
-      Intake& in, MapCache& cache, Alternates& standing, const BaseMap& base, LongQueues& queues)
+  Service(Intake& in, MapCache& cache, Alternates& standing, const BaseMap& base)
       : config(in.config),
         storage(in.storage),
         events(in.events),
         intake(in),
         maps(cache),
         alternates(standing),
-        base_map(base),
-        long_queues(queues) {}
+        base_map(base) {}
 
   const Config& config;
   Storage& storage;
@@ -47,8 +45,7 @@ struct Service {
   MapCache& maps;
   Alternates& alternates;
   const BaseMap& base_map;
-  // Of the process, as the processors are.
-  LongQueues& long_queues;
+  LongQueues long_queues;
   GroundPatches ground_patches{kMaxBytesOfGroundPatches};
   // Pictures of flights' maps.
   MapPictures pictures{kMaxBytesOfPictures};

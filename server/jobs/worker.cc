@@ -38,14 +38,12 @@ void TellOfFrame(Service& service, const FrameRow& frame) {
 
 }  // namespace
 
-Worker::Worker(Organisations& organisations, Classifiers classifiers)
-    : organisations_(organisations),
-      config_(organisations.Default().config),
+Worker::Worker(Service& service, Classifiers classifiers)
+    : service_(service),
+      config_(service.config),
       classifiers_(std::move(classifiers)),
-      claims_(organisations),
-      open_flights_(
-          [this](const std::string& id) -> const Storage& { return ServiceOf(id).storage; },
-          config_.max_num_open_flights),
+      claims_(service.storage),
+      open_flights_(service.storage, config_.max_num_open_flights),
       frontend_room_(config_.data, kIdlePeriod),
       backend_room_(config_.data, kEvaluateAgainPeriod),
       frontend_thread_([this] { RunFrontend(); }),
@@ -130,8 +128,7 @@ bool Worker::ClaimAnother() {
 }
 
 bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs) {
-  Service& service = ServiceOf(flight_id);
-  const std::optional<FlightRow> flight = service.storage.flights.Find(flight_id);
+  const std::optional<FlightRow> flight = service_.storage.flights.Find(flight_id);
   if (!flight) return false;
   if (flight->has_failed) {
     FailFlight(flight_id, "the engine failed on this flight earlier");
@@ -146,7 +143,7 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
   if (!session) return false;
   // A step that failed has left them.
   if (session->HasUnstoredResults()) ApplyResults(flight_id, *session, {});
-  std::optional<FrameRow> row = service.storage.frames.Next(flight_id, session->cursor());
+  std::optional<FrameRow> row = service_.storage.frames.Next(flight_id, session->cursor());
   const std::optional<int64_t> flush_point = session->NextFlushPoint();
   if (flush_point && (!row || row->sequence > *flush_point)) {
     ApplyResults(flight_id, *session, session->Flush(*flush_point));
@@ -161,16 +158,16 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
   }
   PosedFrame frame(std::move(*row));
   if (IsUnresolved(frame.row)) {
-    if (ResolveFrame(service.intake, *flight, frame, MayWait(frame.row)) == Resolution::kWaiting) {
+    if (ResolveFrame(service_.intake, *flight, frame, MayWait(frame.row)) == Resolution::kWaiting) {
       return false;
     }
-    TellOfFrame(service, frame.row);
+    TellOfFrame(service_, frame.row);
   }
   const auto begin = std::chrono::steady_clock::now();
   TakeFrame(flight_id, *session, frame);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  service.progress.AddFrameTime(elapsed.count());
-  const bool is_last = !service.storage.frames.Next(flight_id, session->cursor());
+  service_.progress.AddFrameTime(elapsed.count());
+  const bool is_last = !service_.storage.frames.Next(flight_id, session->cursor());
   if (is_last || std::chrono::steady_clock::now() - stored_at_[flight_id] > kStorePeriod) {
     StoreProgress(flight_id, *session, jobs);
   }
@@ -179,16 +176,15 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
 
 // The first frame with a position determines what the flight's request left open.
 bool Worker::ResolveFirst(const FlightRow& flight) {
-  Service& service = ServiceOf(flight.id);
-  const auto sequence = service.storage.frames.NextQueuedSequence(flight.id, 0);
+  const auto sequence = service_.storage.frames.NextQueuedSequence(flight.id, 0);
   std::optional<FrameRow> row;
-  if (sequence) row = service.storage.frames.Next(flight.id, *sequence - 1);
+  if (sequence) row = service_.storage.frames.Next(flight.id, *sequence - 1);
   if (!row) return false;
   PosedFrame frame(std::move(*row));
-  if (ResolveFrame(service.intake, flight, frame, MayWait(frame.row)) == Resolution::kWaiting) {
+  if (ResolveFrame(service_.intake, flight, frame, MayWait(frame.row)) == Resolution::kWaiting) {
     return false;
   }
-  TellOfFrame(service, frame.row);
+  TellOfFrame(service_, frame.row);
   return true;
 }
 
@@ -207,14 +203,13 @@ bool Worker::MayWait(const FrameRow& frame) {
 void Worker::TakeFrame(const std::string& flight_id,
                        FlightSession& session,
                        const PosedFrame& frame) {
-  Service& service = ServiceOf(flight_id);
   // Rejected before it had a position.
   if (!frame.meta) return session.Skip(frame.row.sequence);
   cv::Mat image;
   std::string why_not = "its image file is gone";
-  if (const auto bytes = service.storage.images.Read(frame.row.sha256)) {
+  if (const auto bytes = service_.storage.images.Read(frame.row.sha256)) {
     try {
-      image = DecodeImage(*bytes, service.intake.image_limits);
+      image = DecodeImage(*bytes, service_.intake.image_limits);
     } catch (const ApiError& error) {
       why_not = error.what();
     }
@@ -224,25 +219,23 @@ void Worker::TakeFrame(const std::string& flight_id,
     ApplyResults(flight_id, session, {{frame.row.id, false, why_not}});
     return;
   }
-  session.GiveWinds(service.storage, service.config, *frame.meta);
+  session.GiveWinds(service_.storage, service_.config, *frame.meta);
   ApplyResults(flight_id, session, session.Give(frame.row, *frame.meta, image));
 }
 
 void Worker::ApplyResults(const std::string& flight_id,
                           FlightSession& session,
                           const std::vector<FrameResult>& results) {
-  Service& service = ServiceOf(flight_id);
   session.StoreResults(results, [&](const FrameResult& result) {
-    const auto frame = service.storage.frames.Find(flight_id, result.frame_id);
+    const auto frame = service_.storage.frames.Find(flight_id, result.frame_id);
     const FrameState state = result.is_processed ? FrameState::kProcessed : FrameState::kRejected;
     // A replay may change the stored state, because the frame has more neighbours now.
     if (!frame || frame->state == state) return;
-    service.storage.frames.SetState(flight_id, result.frame_id, state, result.note);
+    service_.storage.frames.SetState(flight_id, result.frame_id, state, result.note);
     FrameRow told = *frame;
     told.state = state;
     told.reason = result.note;
-    TellOfFrame(service, told);
-    if (result.is_processed && config_.watches_strips) WatchStrips(session, told);
+    TellOfFrame(service_, told);
     pace_[flight_id].AddFrame();
   });
   if (!IsEvaluationDue(flight_id, session)) return;
@@ -251,51 +244,31 @@ void Worker::ApplyResults(const std::string& flight_id,
   Wake();
 }
 
-void Worker::WatchStrips(FlightSession& session, const FrameRow& frame) {
-  Service& service = ServiceOf(frame.flight_id);
-  const std::optional<View> view = session.FindView(frame.id);
-  const std::optional<FlightRow> flight = service.storage.flights.Find(frame.flight_id);
-  const CaptureTime time = CaptureTimeOf(frame, ParseStoredFrameMeta(frame.resolved_json));
-  if (!view || !flight || !time.IsDated()) return;
-  const PlacedPhoto photo{frame.flight_id,
-                          frame.id,
-                          time.earliest_us,
-                          session.camera().With(view->readout),
-                          view->world_from_camera,
-                          session.origin(),
-                          AltitudeDatumOf(*flight)};
-  watching_.try_emplace(&service, service).first->second.Look(photo, [&] {
-    return StoredImages(service.intake, frame.flight_id)(frame.id);
-  });
-}
-
 bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& session) {
-  Service& service = ServiceOf(flight_id);
   const EvaluationPace& pace = pace_[flight_id];
   const int period = session.request().options.backend.backend_period_frames;
   if (!pace.IsPeriodOver(period)) return false;
   std::optional<int64_t> num_to_finish;
-  for (const JobRow& job : service.storage.jobs.ListUnfinished()) {
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
     if (job.flight_id != flight_id || job.kind != "finish" || num_to_finish) continue;
     num_to_finish = LastSequence(job) - session.cursor();
   }
   // Nobody waits for the first site of an experiment.
   const bool has_site =
-      !session.request().memory.is_kept || service.storage.sites.HasRecallable(flight_id);
+      !session.request().memory.is_kept || service_.storage.sites.HasRecallable(flight_id);
   return pace.IsDue(period, num_to_finish, has_site);
 }
 
 void Worker::StoreProgress(const std::string& flight_id,
                            FlightSession& session,
                            const std::vector<JobRow>& jobs) {
-  Service& service = ServiceOf(flight_id);
-  if (!service.storage.flights.Find(flight_id)) return;
-  session.Store(service.storage);
-  service.events.Publish(
+  if (!service_.storage.flights.Find(flight_id)) return;
+  session.Store(service_.storage);
+  service_.events.Publish(
       "region",
       flight_id,
       nlohmann::json{{"flight_id", flight_id},
-                     {"num_regions", service.storage.flights.CountRegions(flight_id)}}
+                     {"num_regions", service_.storage.flights.CountRegions(flight_id)}}
           .dump());
   UpdateBatchJobs(flight_id, jobs);
   stored_at_[flight_id] = std::chrono::steady_clock::now();
@@ -305,12 +278,11 @@ int64_t Worker::LastSequence(const JobRow& job) {
   const auto known = last_sequences_.find(job.id);
   if (known != last_sequences_.end()) return known->second;
   if (last_sequences_.size() >= kMaxNumKnownJobs) last_sequences_.clear();
-  return last_sequences_[job.id] = LastSequenceOf(job, ServiceOf(job.flight_id).storage);
+  return last_sequences_[job.id] = LastSequenceOf(job, service_.storage);
 }
 
 void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<JobRow>& jobs) {
-  Service& service = ServiceOf(flight_id);
-  const std::optional<int64_t> next = service.storage.frames.NextQueuedSequence(flight_id, 0);
+  const std::optional<int64_t> next = service_.storage.frames.NextQueuedSequence(flight_id, 0);
   for (JobRow job : jobs) {
     if (job.flight_id != flight_id || job.kind != "batch") continue;
     const int64_t last = LastSequence(job);
@@ -321,8 +293,8 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
     job.progress_ratio = std::clamp(1.0 - num_left / num_frames, 0.0, 1.0);
     job.state = is_done ? JobState::kDone : JobState::kRunning;
     job.stage = is_done ? "" : "frontend";
-    service.progress.TellBatch(job.id, job.progress_ratio);
-    UpdateJob(service, job);
+    service_.progress.TellBatch(job.id, job.progress_ratio);
+    UpdateJob(service_, job);
   }
 }
 
@@ -335,7 +307,7 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
   SessionPointer session = open_flights_.Find(flight.id);
   std::vector<int64_t> flush_points;
   int64_t last_finish = 0;
-  for (const JobRow& job : ServiceOf(flight.id).storage.jobs.ListOf(flight.id)) {
+  for (const JobRow& job : service_.storage.jobs.ListOf(flight.id)) {
     flush_points.push_back(LastSequence(job));
     if (job.kind == "finish") last_finish = std::max(last_finish, flush_points.back());
   }
@@ -353,25 +325,23 @@ void Worker::Forget(const std::string& flight_id) {
   waiting_.erase(flight_id);
   stored_at_.erase(flight_id);
   pace_.erase(flight_id);
-  for (auto& [service, watching] : watching_) watching.Forget(flight_id);
 }
 
 // Fails the flight and its jobs. Other flights continue.
 void Worker::FailFlight(const std::string& flight_id, const std::string& why) {
-  Service& service = ServiceOf(flight_id);
   spdlog::error("flight {}: {}", flight_id, why);
-  service.storage.flights.Change(flight_id, [&why](FlightRow& flight) {
+  service_.storage.flights.Change(flight_id, [&why](FlightRow& flight) {
     if (!flight.has_failed) {
       flight.warnings_json = AddWarnings(flight.warnings_json, "failure", {why});
     }
     flight.has_failed = true;
   });
-  for (const FrameRow& frame : service.storage.frames.List(flight_id)) {
+  for (const FrameRow& frame : service_.storage.frames.List(flight_id)) {
     if (frame.state != FrameState::kQueued) continue;
-    service.storage.frames.SetState(flight_id, frame.id, FrameState::kRejected, why);
+    service_.storage.frames.SetState(flight_id, frame.id, FrameState::kRejected, why);
   }
-  for (const JobRow& job : service.storage.jobs.ListUnfinished()) {
-    if (job.flight_id == flight_id) FailJob(service, job, why);
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
+    if (job.flight_id == flight_id) FailJob(service_, job, why);
   }
   open_flights_.Close(flight_id);
   Forget(flight_id);

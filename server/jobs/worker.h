@@ -24,13 +24,12 @@
 #include "server/jobs/open_flights.h"
 #include "server/jobs/room_wait.h"
 #include "server/jobs/service.h"
-#include "server/jobs/watching/watching.h"
 
 namespace freelsd {
 
 class Worker {
  public:
-  Worker(Organisations& organisations, Classifiers classifiers);
+  Worker(Service& service, Classifiers classifiers);
   // Requires that Stop returned true.
   ~Worker();
   Worker(const Worker&) = delete;
@@ -59,8 +58,6 @@ class Worker {
   // True while the frame may wait for telemetry that gives its position.
   bool MayWait(const FrameRow& frame);
   void TakeFrame(const std::string& flight_id, FlightSession& session, const PosedFrame& frame);
-  // Compares a photograph that was placed with the stored strips that it shows.
-  void WatchStrips(FlightSession& session, const FrameRow& frame);
   void ApplyResults(const std::string& flight_id,
                     FlightSession& session,
                     const std::vector<FrameResult>& results);
@@ -80,7 +77,7 @@ class Worker {
   bool StepBackend();
   // Evaluates one flight: for its finish, else its best regions. Flights take turns.
   bool Evaluate();
-  // Takes one site that an older program stored, and checks it on later maps. False if no such site
+  // Takes one site that is not checked yet, and checks it on later maps. False if no such site
   // is left.
   bool CheckNextSite();
   // Finish jobs that can run, because the frontend has processed all their frames. Oldest first.
@@ -90,10 +87,9 @@ class Worker {
   bool ReplayNext();
   void RunJob(JobRow& job, const std::function<nlohmann::json(const Progress& progress)>& work);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
-  bool TellProgress(Service& service, double done_ratio);
-  // Removes images of idle flights as the settings require, for each organisation alone.
+  bool TellProgress(double done_ratio);
+  // Removes images of idle flights as the settings require.
   void RetireImages();
-  void RetireImagesOf(Service& service);
 
   // Repeats a step while it finds work; waits otherwise.
   void Repeat(bool (Worker::*step)());
@@ -104,16 +100,11 @@ class Worker {
   // Tells the clients of all unfinished jobs that they are held, or go on.
   void TellHeld(const std::optional<std::string>& why);
 
-  // Of the flight's organisation.
-  Service& ServiceOf(const std::string& flight_id) const { return claims_.ServiceOf(flight_id); }
-
-  Organisations& organisations_;
+  Service& service_;
   const Config& config_;
   Classifiers classifiers_;
   Claims claims_;
   OpenFlights open_flights_;
-  // By organisation. Only the frontend thread uses it.
-  std::map<Service*, StripWatching> watching_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<bool> is_evaluating_{false};
   // Each belongs to its thread. A step of the frontend is short.
@@ -142,7 +133,7 @@ class Worker {
   std::chrono::steady_clock::time_point retired_at_{};
   std::chrono::steady_clock::time_point told_waiting_at_{};
   // Sites that CheckNextSite still has to check, and when they were listed.
-  std::vector<std::pair<Service*, std::string>> unchecked_sites_;
+  std::vector<std::string> unchecked_sites_;
   std::optional<std::chrono::steady_clock::time_point> unchecked_listed_at_;
 
   std::thread frontend_thread_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -56,38 +54,6 @@ SiteMap WithObstaclesOn(const SiteMap& site_map, const std::vector<HardObstacle>
   return {std::move(ground.map), std::move(ground.layers)};
 }
 
-// Never lower than the site's map with its obstacles.
-KeptTerrain TerrainOn(const KeptSite& site, const KnownObstacles& obstacles) {
-  const LocalFrame frame(site.replan.origin);
-  const ElevationMap map =
-      WithObstaclesOn(site.site_map, InWorld(obstacles, frame, ReferenceOf(site))).map;
-  const int side = std::max(1, static_cast<int>(std::floor(kMaxBlockM / map.grid.cell_size_m)));
-  KeptTerrain terrain;
-  terrain.origin = site.replan.origin;
-  terrain.grid = map.grid;
-  terrain.position_sd_m = map.position_sd_m;
-  terrain.surroundings = site.surroundings;
-  terrain.obstacles_key = KeyOf(obstacles);
-  if (!site.replan.flight.memory.is_kept) terrain.experiment_id = site.row.flight_id;
-  terrain.grid.cell_size_m *= side;
-  terrain.grid.num_rows = (map.grid.num_rows + side - 1) / side;
-  terrain.grid.num_cols = (map.grid.num_cols + side - 1) / side;
-  const cv::Size size(terrain.grid.num_cols, terrain.grid.num_rows);
-  terrain.upper = cv::Mat1f(size, std::numeric_limits<float>::quiet_NaN());
-  cv::Mat1i num_seen(size, 0);
-  for (int row = 0; row < map.grid.num_rows; ++row) {
-    for (int col = 0; col < map.grid.num_cols; ++col) {
-      const float height = map.upper(row, col);
-      if (std::isnan(height)) continue;
-      ++num_seen(row / side, col / side);
-      float& highest = terrain.upper(row / side, col / side);
-      if (!(highest >= height)) highest = height;
-    }
-  }
-  terrain.is_seen = (num_seen == side * side) / 255;
-  return terrain;
-}
-
 // Level of the map whose cells are the largest that a block may be.
 int LevelOfBlocks(const MapHead& head) {
   int level = 0;
@@ -111,25 +77,17 @@ double ReachFor(const Replan& replan,
 
 }  // namespace
 
-KeptSite MapCache::ReadSite(const Storage& storage,
-                            const SiteRow& row,
-                            const std::optional<std::string>& own_map,
-                            double reach) {
+KeptSite MapCache::ReadSite(const Storage& storage, const SiteRow& row, double reach) {
   KeptSite kept;
   kept.row = row;
   kept.replan = ParseReplan(row.replan_json);
-  if (own_map) {
-    kept.reach = std::numeric_limits<double>::infinity();
-    kept.site_map = DeserializeSiteMap(*own_map);
-  } else {
-    const auto map = flight_maps_.Find(storage, row.map_id);
-    if (!map) throw std::runtime_error("its map " + row.map_id + " is not stored");
-    const auto& [flight, origin, request] = kept.replan;
-    kept.reach = std::max(reach, ReachFor(kept.replan, flight.aircraft, request.wind_in_world));
-    const Grid& whole = map->head.grid;
-    const Grid around = whole.Part(whole.CellsAround(request.footprint, kept.reach));
-    kept.site_map = flight_maps_.Read(storage, *map, 0, around, TileLayers::kPlanning).site_map;
-  }
+  const auto map = flight_maps_.Find(storage, row.map_id);
+  if (!map) throw std::runtime_error("its map " + row.map_id + " is not stored");
+  const auto& [flight, origin, request] = kept.replan;
+  kept.reach = std::max(reach, ReachFor(kept.replan, flight.aircraft, request.wind_in_world));
+  const Grid& whole = map->head.grid;
+  const Grid around = whole.Part(whole.CellsAround(request.footprint, kept.reach));
+  kept.site_map = flight_maps_.Read(storage, *map, 0, around, TileLayers::kPlanning).site_map;
   const Grid& grid = kept.site_map.map.grid;
   kept.box = BoxAround(kept.replan.origin, grid, 0.0);
   kept.surroundings = BoxAround(kept.replan.origin, grid, kCirclesM);
@@ -140,30 +98,14 @@ KeptSite MapCache::ReadSite(const Storage& storage,
 std::shared_ptr<const KeptSite> MapCache::ReadSiteSafely(const Storage& storage,
                                                          const std::string& site_id,
                                                          double reach) {
-  const auto read = [&]() -> std::shared_ptr<const KeptSite> {
-    const std::optional<SiteRow> row = storage.sites.Find(site_id);
-    if (!row) return nullptr;
-    const auto own_map = row->map_id.empty() ? storage.sites.ReadMap(site_id) : std::nullopt;
-    if (row->map_id.empty() && !own_map) return nullptr;
-    return std::make_shared<const KeptSite>(ReadSite(storage, *row, own_map, reach));
-  };
   try {
-    return read();
+    const std::optional<SiteRow> row = storage.sites.Find(site_id);
+    if (!row || row->map_id.empty()) return nullptr;
+    return std::make_shared<const KeptSite>(ReadSite(storage, *row, reach));
   } catch (const StorageError&) {
     throw;
-  } catch (const DamagedMap& error) {
-    // From now on storage reads from the second copy.
-    spdlog::error("site {}: {}", site_id, error.what());
-    storage.MarkDamaged(std::string("site ").append(site_id).append(": ").append(error.what()));
   } catch (const std::exception& error) {
-    // Another version wrote it, or memory is short. Other sites can still be used.
     spdlog::error("site {} cannot be used: {}", site_id, error.what());
-    return nullptr;
-  }
-  try {
-    return read();
-  } catch (const std::exception& error) {
-    spdlog::error("site {}, second copy: {}", site_id, error.what());
     return nullptr;
   }
 }
@@ -238,9 +180,7 @@ KeptSite MapCache::InSurroundings(const Storage& storage, KeptSite site) {
 
 std::string MapCache::Surroundings::Key() const {
   std::string key = KeyOf(obstacles);
-  for (const auto& map : other_maps) {
-    key.append(map->id).append("@").append(std::to_string(map->updated_at_us)).append(";");
-  }
+  for (const auto& map : other_maps) key.append(map->id).append(";");
   return key;
 }
 
@@ -254,7 +194,7 @@ std::vector<OtherGround> MapCache::GroundsOf(const Storage& storage,
                                              const SharedRows<MapRow>& maps) {
   std::vector<OtherGround> grounds;
   for (const auto& map : maps) {
-    auto terrain = TerrainOf(storage, map->id, map->updated_at_us);
+    auto terrain = TerrainOf(storage, map->id);
     if (!terrain || !terrain->CountsFor(std::nullopt)) continue;
     const AltitudeReference reference = freelsd::ReferenceOf(*map, *terrain);
     grounds.push_back({std::move(terrain), reference});
@@ -296,31 +236,22 @@ std::shared_ptr<const KeptSite> MapCache::Covering(
 }
 
 std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
-                                                       const std::string& map_id,
-                                                       int64_t updated_at_us) {
-  std::shared_ptr<const KeptSite> site;
+                                                       const std::string& map_id) {
+  // A stored map never changes.
+  constexpr int64_t kVersion = 0;
   std::shared_ptr<const KeptTerrain> terrain;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto* found = terrains_.Find(map_id, updated_at_us)) terrain = *found;
-    if (const Planned* planned = sites_.Find(map_id, updated_at_us)) site = planned->site;
+    if (const auto* found = terrains_.Find(map_id, kVersion)) terrain = *found;
   }
   if (terrain && KeyOf(ObstaclesNear(storage, terrain->surroundings)) == terrain->obstacles_key) {
     return terrain;
   }
-  // No id of a site has a slash.
-  if (map_id.find('/') != std::string::npos) {
-    terrain = ReadTerrain(storage, map_id);
-  } else {
-    if (!site) site = ReadSiteSafely(storage, map_id, 0.0);
-    if (!site) return nullptr;
-    terrain = std::make_shared<const KeptTerrain>(
-        TerrainOn(*site, ObstaclesNear(storage, site->surroundings)));
-  }
+  terrain = ReadTerrain(storage, map_id);
   if (!terrain) return nullptr;
   const size_t num_bytes = (sizeof(float) + sizeof(uchar)) * NumCells(terrain->grid);
   const std::lock_guard lock(mutex_);
-  terrains_.Keep(map_id, updated_at_us, num_bytes, terrain);
+  terrains_.Keep(map_id, kVersion, num_bytes, terrain);
   return terrain;
 }
 

@@ -29,9 +29,9 @@ struct OtherGround;
 struct KeptSite {
   SiteRow row;
   Replan replan;
-  // As photographed. Of a flight's map: the cells within `reach` of the site.
+  // As photographed: the cells of the flight's map within `reach` of the site.
   SiteMap site_map;
-  // See PlanReach. Infinite for a site with a map of its own.
+  // See PlanReach.
   double reach = 0.0;
   // The map, and the map with all that its circles may reach.
   BoundingBox box{}, surroundings{};
@@ -89,10 +89,8 @@ class MapCache {
                                            const std::optional<Eigen::Vector2d>& wind_in_world);
   // A site that is not stored, with what is near it now.
   KeptSite InSurroundings(const Storage& storage, KeptSite site);
-  // The terrain of a map (MapRow::id and updated_at_us). It needs a fraction of the map's memory.
-  std::shared_ptr<const KeptTerrain> TerrainOf(const Storage& storage,
-                                               const std::string& map_id,
-                                               int64_t updated_at_us);
+  // The terrain of a map. It needs a fraction of the map's memory.
+  std::shared_ptr<const KeptTerrain> TerrainOf(const Storage& storage, const std::string& map_id);
   // A planner for this aircraft on the site's map. `site` must outlive it. Cached.
   std::shared_ptr<const StoredMapPlanner> PlannerFor(const std::shared_ptr<const KeptSite>& site,
                                                      const Aircraft& aircraft);
@@ -164,11 +162,7 @@ class MapCache {
   std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage,
                                                  const std::string& site_id,
                                                  double reach);
-  // `own_map`: of a site that lies on no map of a flight.
-  KeptSite ReadSite(const Storage& storage,
-                    const SiteRow& row,
-                    const std::optional<std::string>& own_map,
-                    double reach);
+  KeptSite ReadSite(const Storage& storage, const SiteRow& row, double reach);
   std::shared_ptr<const KeptTerrain> ReadTerrain(const Storage& storage, const std::string& map_id);
 
   // The plan of this key (aircraft and wind) if it holds in what is near now.

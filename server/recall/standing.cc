@@ -29,11 +29,9 @@ bool IsStronger(const Standing& standing,
                 const std::string& map_id) {
   if (standing.superseded_reason.empty()) return true;
   if (standing.IsDoubted() != is_doubt) return !is_doubt;
-  const std::string& present = standing.superseded_by_map.empty()
-                                   ? standing.superseded_by.value_or("")
-                                   : standing.superseded_by_map;
   if (is_doubt && (standing.superseded_at_us == 0) != (since_us == 0)) return since_us == 0;
-  return std::tie(standing.superseded_at_us, present) < std::tie(since_us, map_id);
+  return std::tie(standing.superseded_at_us, standing.superseded_by_map) <
+         std::tie(since_us, map_id);
 }
 
 void Report(MapCache& maps, const std::string& site_id, const Standing& standing) {
@@ -72,7 +70,7 @@ Standing With(Standing standing,
   if (is_doubt && (standing.superseded_by || is_settled)) return standing;
   if (!IsStronger(standing, is_doubt, since_us, map.id)) return standing;
   standing.superseded_by = is_doubt ? std::nullopt : std::optional(shown_id);
-  standing.superseded_by_map = map.is_of_flight || is_doubt ? map.id : "";
+  standing.superseded_by_map = map.id;
   standing.superseded_at_us = since_us;
   standing.superseded_reason = NameOf(*check.reason);
   standing.superseded_detail = check.detail;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -32,24 +31,14 @@ BoundingBox Widened(const BoundingBox& box, double reach_m) {
           box.north_deg + dlat_deg};
 }
 
-// A site's own map that is about to be stored, before storage has it.
-struct NewOwnMap {
-  const SiteRow& site;
-  GeoPoint origin;
-  SiteMap site_map;
-};
-
 // What is about to change: the checks see it as if it were stored already.
 struct Change {
-  // MapRow::id of maps that do not count any more.
+  // Maps that do not count any more.
   std::set<std::string> gone_maps;
   std::set<std::string> gone_sites;
   // New maps of a flight, staged in storage, and the flight's sites on them.
   std::vector<FlightMapRow> new_maps;
   std::vector<SiteRow> new_sites;
-  std::optional<NewOwnMap> new_own_map;
-  // EvaluationRows::own_maps.
-  std::map<std::string, std::string> own_maps;
 };
 
 class Checks {
@@ -81,26 +70,11 @@ class Checks {
     for (const FlightMapRow& map : change_.new_maps) {
       standing = OnMap(std::move(standing), site, plan, RowOf(map));
     }
-    if (!change_.new_own_map) return standing;
-    const auto& [newer, origin, site_map] = *change_.new_own_map;
-    const MapRow map{newer.id,
-                     newer.flight_id,
-                     newer.updated_at_us,
-                     {},
-                     newer.seen_at_us,
-                     false,
-                     newer.seen_until_us};
-    if (!MayBeLater(map, site)) return standing;
-    const ShownGround ground{origin, {site_map, {}}};
-    const auto check = CheckPlanOn(plan, ground, newer, OwnGroundUnder(site, plan));
-    return check ? WithCheck(std::move(standing), *check, site, map, newer.id) : standing;
+    return standing;
   }
 
   OwnGround OwnGroundUnder(const SiteRow& site, const StoredPlan& plan) const {
-    return [this, &site, &plan] {
-      const auto own = change_.own_maps.find(site.id);
-      return OwnGroundOf(stored_, site, plan, own != change_.own_maps.end() ? own->second : "");
-    };
+    return [this, &site, &plan] { return OwnGroundOf(stored_, site, plan); };
   }
 
   Standing OnMap(Standing standing,
@@ -110,11 +84,10 @@ class Checks {
     if (!MayBeLater(map, site)) return standing;
     const auto check = CheckPlanOn(stored_, plan, map, OwnGroundUnder(site, plan));
     if (!check) return standing;
-    const std::string shown_id = map.is_of_flight ? ShownId(map, plan.site.touchdown) : map.id;
-    return WithCheck(std::move(standing), *check, site, map, shown_id);
+    return WithCheck(std::move(standing), *check, site, map, ShownId(map, plan.site.touchdown));
   }
 
-  // A map confirms a site only if it is later than all of the site's own map.
+  // A map confirms a site only if it is later than all of the map that the site lies on.
   Standing WithCheck(Standing standing,
                      const PlanCheck& check,
                      const SiteRow& site,
@@ -202,11 +175,6 @@ class NewStandings {
   Standings standings_;
 };
 
-BoundingBox BoxOf(const SiteRow& site) {
-  return site.map_box.value_or(
-      BoundingBox{site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg});
-}
-
 std::vector<FlightMapRow> MapsOf(const Storage& storage, const std::vector<std::string>& ids) {
   std::vector<FlightMapRow> maps;
   for (const std::string& id : ids) {
@@ -218,10 +186,8 @@ std::vector<FlightMapRow> MapsOf(const Storage& storage, const std::vector<std::
 Change ChangeOf(const Storage& storage, const EvaluationRows& rows) {
   Change change;
   change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
-  change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   change.new_sites = rows.sites;
-  change.own_maps = rows.own_maps;
   change.new_maps = MapsOf(storage, rows.new_maps);
   return change;
 }
@@ -232,13 +198,13 @@ Standings UnknownStandings(const StoredSites& stored,
                            const UnknownAbove& unknown) {
   NewStandings standings(stored, change);
   if (unknown.sites.empty()) return {};
-  for (const std::string& id : change.gone_maps) {
-    for (std::vector<std::string> dependents :
-         {stored.storage.sites.ListDependents(id), stored.storage.sites.ListDependentsOfMap(id)}) {
-      std::erase_if(dependents, [&](const auto& site) { return !unknown.sites.contains(site); });
-      standings.AddDependents(dependents);
-    }
-  }
+  const auto add = [&](std::vector<std::string> dependents) {
+    std::erase_if(dependents, [&](const auto& site) { return !unknown.sites.contains(site); });
+    standings.AddDependents(dependents);
+  };
+  const SiteStore& sites = stored.storage.sites;
+  for (const std::string& id : change.gone_sites) add(sites.ListDependents(id));
+  for (const std::string& id : change.gone_maps) add(sites.ListDependentsOfMap(id));
   for (const FlightMapRow& map : change.new_maps) {
     standings.AddEarlier(map.box, map.flight_id, &unknown.sites);
   }
@@ -256,7 +222,6 @@ void StoreFollowed(Storage& storage,
   const StoredSites stored{storage, maps};
   Change own;
   own.new_maps = unknown.maps;
-  own.own_maps = rows.own_maps;
   const Checks checks(stored, own);
   Standings others;
   for (SiteRow& site : rows.sites) {
@@ -284,18 +249,19 @@ void StoreFollowed(Storage& storage,
 
 void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, EvaluationRows rows) {
   const StoredSites stored{storage, maps};
-  Change change = ChangeOf(storage, rows);
-  // A site that had a map of its own may get the flight's.
-  for (const SiteRow& site : rows.sites) change.gone_maps.insert(site.id);
+  const Change change = ChangeOf(storage, rows);
   const Checks checks(stored, change);
   for (SiteRow& site : rows.sites) static_cast<Standing&>(site) = checks.StandingOf(site);
   NewStandings others(stored, change);
-  for (const std::string& id : change.gone_maps) {
+  for (const std::string& id : change.gone_sites) {
     others.AddDependents(storage.sites.ListDependents(id));
+  }
+  for (const std::string& id : change.gone_maps) {
     others.AddDependents(storage.sites.ListDependentsOfMap(id));
   }
   // What a map supersedes names the nearest site on it.
   for (const SiteRow& site : rows.sites) {
+    others.AddDependents(storage.sites.ListDependents(site.id));
     if (!site.map_id.empty()) {
       others.AddDependents(storage.sites.ListDependentsOfMap(site.map_id));
     }
@@ -305,31 +271,10 @@ void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, Evaluatio
   ReportAll(maps, rows.sites, others.standings());
 }
 
-void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string& map_blob) {
-  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
-  const StoredSites stored{storage, maps};
-  Change change;
-  change.gone_maps.insert(site.id);
-  change.new_sites = {site};
-  change.own_maps = {{site.id, map_blob}};
-  if (!map_blob.empty()) {
-    change.new_own_map.emplace(
-        NewOwnMap{site, ParseReplan(site.replan_json).origin, DeserializeSiteMap(map_blob)});
-  }
-  const Checks checks(stored, change);
-  static_cast<Standing&>(site) = checks.StandingOf(site);
-  NewStandings others(stored, change);
-  others.AddDependents(storage.sites.ListDependents(site.id));
-  if (!map_blob.empty()) others.AddEarlier(BoxOf(site), site.flight_id);
-  turn->Put(site, map_blob, others.standings());
-  ReportAll(maps, {site}, others.standings());
-}
-
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id) {
   const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   const StoredSites stored{storage, maps};
   Change change;
-  change.gone_maps.insert(site_id);
   change.gone_sites.insert(site_id);
   NewStandings others(stored, change);
   others.AddDependents(storage.sites.ListDependents(site_id));

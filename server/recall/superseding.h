@@ -36,19 +36,15 @@ void StoreFollowed(Storage& storage,
                    const Standings& told,
                    const UnknownAbove& unknown);
 
-// Stores a site with a map of its own and its standing. An empty map_blob means no map. The
-// standings of other sites that the map changes are stored in the same commit.
-void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string& map_blob);
-
-// Deletes a site. The standings that depended on its own map, or that name it, are computed again
-// and stored in the same commit. False if there is no such site.
+// Deletes a site; its flight's map stays. The standings that name it are computed again and stored
+// in the same commit. False if there is no such site.
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id);
 
 // Deletes the flight with its maps and sites, which may have outlived it. The standings that
 // depended on them are computed again. All of it is one commit. False if there is none of them.
 bool ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id);
 
-// Checks the site if it was never checked, because an older program stored it.
+// Checks the site if it was not checked yet on later maps.
 void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id);
 
 }  // namespace freelsd

@@ -110,8 +110,7 @@ AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
 }
 
 std::shared_ptr<const KeptTerrain> TerrainBelow(const StoredSites& stored, const RecallRow& site) {
-  if (!site.map_id.empty()) return stored.maps.TerrainOf(stored.storage, site.map_id, 0);
-  return stored.maps.TerrainOf(stored.storage, site.site_id, site.updated_at_us);
+  return stored.maps.TerrainOf(stored.storage, site.map_id);
 }
 
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
@@ -119,7 +118,7 @@ std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const std::vector<GeoPoint>& path) {
   std::optional<TerrainMargin> least;
   for (const auto& row : MapsAlong(stored, path)) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
     if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
     const auto height = LeastHeightAlong(path, *terrain);
     if (!height) continue;

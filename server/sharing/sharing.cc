@@ -26,19 +26,15 @@ bool IsOfWork(const SharedEvent& event) {
 
 }  // namespace
 
-Sharing::Sharing(Storage& storage, SharingCalls calls)
+Sharing::Sharing(Storage& storage, EventLog& events, SharingCalls calls)
     : storage_(storage), calls_(std::move(calls)) {
   if (!storage_.claims.IsShared()) return;
   heard_ = storage_.claims.LastTold();
   sites_version_ = storage_.sites.Version();
-}
-
-void Sharing::CarryFrom(const std::string& organisation, EventLog& events) {
-  if (!storage_.claims.IsShared()) return;
-  events.CallWithPublished([this, organisation](const Event& event) {
+  events.CallWithPublished([this](const Event& event) {
     const std::lock_guard lock(mutex_);
     if (own_.size() >= kMaxNumWaiting) return;
-    own_.push_back({0, event.type, event.flight_id, event.data, organisation});
+    own_.push_back({0, event.type, event.flight_id, event.data});
     changed_.notify_all();
   });
 }

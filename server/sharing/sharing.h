@@ -29,13 +29,12 @@ struct SharingCalls {
 // storage is not shared.
 class Sharing {
  public:
-  Sharing(Storage& storage, SharingCalls calls);
+  // `events`: nothing was published in it yet. Others get its events.
+  Sharing(Storage& storage, EventLog& events, SharingCalls calls);
   ~Sharing();
   Sharing(const Sharing&) = delete;
   Sharing& operator=(const Sharing&) = delete;
 
-  // Others get the events of this log from now on. Before the first one is published.
-  void CarryFrom(const std::string& organisation, EventLog& events);
   void Start();
 
  private:

@@ -46,10 +46,8 @@ PostgresRows SelectMeeting(PostgresConnection& connection,
                            const std::string& table,
                            const BoundingBox& box) {
   const Edges edges(TouchingBoxes(box));
-  // Made before the join: next to row-level security, a function of a row keeps && from the index.
-  return connection.Run(select + " (WITH wanted AS MATERIALIZED (SELECT " + kEnvelope +
-                            " AS envelope FROM " + kBoxes + ") SELECT " + table +
-                            "_id FROM wanted JOIN " + table + "_areas ON area && envelope)",
+  return connection.Run(select + " (SELECT " + table + "_id FROM " + kBoxes + " JOIN " + table +
+                            "_areas ON area && " + kEnvelope + ")",
                         edges.west_deg,
                         edges.south_deg,
                         edges.east_deg,

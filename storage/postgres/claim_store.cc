@@ -5,125 +5,99 @@
 namespace freelsd {
 namespace {
 
-// Of the organisation of whose flights the fewest are claimed. A flight that somebody is changing
-// is left for the next time.
+// A flight that somebody is changing is left for the next time.
 PostgresRows FlightWithoutWorker(PostgresConnection& writer) {
   return writer.Run(
-      "SELECT id, organisation FROM flights WHERE (EXISTS (SELECT 1 FROM frames WHERE flight_id = "
-      "flights.id AND state = 0) OR EXISTS (SELECT 1 FROM jobs WHERE flight_id = flights.id AND "
-      "state < 2)) AND NOT EXISTS (SELECT 1 FROM claims WHERE flight_id = flights.id AND token IS "
-      "NOT NULL) ORDER BY (SELECT count(*) FROM claims WHERE token IS NOT NULL AND "
-      "claims.organisation = flights.organisation), number LIMIT 1 FOR NO KEY UPDATE OF flights "
-      "SKIP LOCKED");
+      "SELECT id FROM flights WHERE (EXISTS (SELECT 1 FROM frames WHERE flight_id = flights.id AND "
+      "state = 0) OR EXISTS (SELECT 1 FROM jobs WHERE flight_id = flights.id AND state < 2)) AND "
+      "NOT EXISTS (SELECT 1 FROM claims WHERE flight_id = flights.id AND token IS NOT NULL) "
+      "ORDER BY number LIMIT 1 FOR NO KEY UPDATE OF flights SKIP LOCKED");
 }
 
 SharedEvent EventOf(const PostgresRow& row) {
-  return {row.Int(0), row.Text(1), row.Text(2), row.Text(3), row.Text(4)};
+  return {row.Int(0), row.Text(1), row.Text(2), row.Text(3)};
 }
 
 constexpr std::chrono::milliseconds kLongestWait{250};
 
 // A NOTIFY only wakes: what was told is in the table, also if the NOTIFY was lost.
-void AwaitTold(PostgresProcess& process) {
+void AwaitTold(PostgresState& state) {
   try {
-    if (process.listener) {
-      (*process.listener)->AwaitNotification(kLongestWait);
+    if (state.listener) {
+      (*state.listener)->AwaitNotification(kLongestWait);
       return;
     }
-    process.listener.emplace(process.listener_pool);
-    (*process.listener)->Execute("LISTEN freelsd_told");
+    state.listener.emplace(state.listener_pool);
+    (*state.listener)->Execute("LISTEN freelsd_told");
   } catch (const StorageError&) {
-    process.listener.reset();
+    state.listener.reset();
     throw;
   }
 }
 
 std::vector<SharedEvent> ReadTold(PostgresState& state, int64_t after_number, int limit) {
   return state.Read([&](PostgresConnection& connection) {
-    ServeAllOrganisations(connection);
     return connection
         .Run(
-            "SELECT number, type, flight_id, data, organisation FROM told_events WHERE number > $1 "
-            "AND origin <> $2 ORDER BY number LIMIT $3",
+            "SELECT number, type, flight_id, data FROM told_events WHERE number > $1 AND origin <> "
+            "$2 ORDER BY number LIMIT $3",
             after_number,
-            state.process->origin,
+            state.origin,
             limit)
         .Each(EventOf);
   });
 }
 
-// A transaction of the process, which serves all organisations.
-class ProcessWrite : public PostgresWrite {
- public:
-  explicit ProcessWrite(PostgresState& state) : PostgresWrite(state) {
-    ServeAllOrganisations(**this);
-  }
-};
-
 }  // namespace
 
-std::vector<std::string> PostgresClaimStore::ListOrganisations() const {
-  return state_.Read([](PostgresConnection& connection) {
-    ServeAllOrganisations(connection);
-    return connection.Run("SELECT name FROM organisations ORDER BY name").Texts();
-  });
-}
-
-bool PostgresClaimStore::IsShared() const { return state_.process->options.is_shared; }
+bool PostgresClaimStore::IsShared() const { return state_.options.is_shared; }
 
 std::optional<Claim> PostgresClaimStore::ClaimNext() {
-  if (!state_.process->registration) return std::nullopt;
-  state_.process->registration->EndSessionsOfDead();
-  ProcessWrite writer(state_);
-  DropDeadWorkers(*writer, state_.process->registration->token());
+  if (!state_.registration) return std::nullopt;
+  state_.registration->EndSessionsOfDead();
+  PostgresWrite writer(state_);
+  DropDeadWorkers(*writer, state_.registration->token());
   std::optional<Claim> claim;
   const PostgresRows flights = FlightWithoutWorker(*writer);
   if (!flights.empty()) {
     const std::string flight_id = flights[0].Text(0);
-    const std::string organisation = flights[0].Text(1);
     // Another worker may have committed its claim since the flight was looked for.
     const PostgresRows rows = writer->Run(
-        "INSERT INTO claims (flight_id, token, organisation) VALUES ($1, $2, $3) ON CONFLICT "
-        "(flight_id) DO UPDATE SET token = excluded.token WHERE claims.token IS NULL "
-        "RETURNING num_lost",
+        "INSERT INTO claims (flight_id, token) VALUES ($1, $2) ON CONFLICT (flight_id) DO UPDATE "
+        "SET token = excluded.token WHERE claims.token IS NULL RETURNING num_lost",
         flight_id,
-        state_.process->registration->token(),
-        organisation);
-    if (!rows.empty()) claim = Claim{flight_id, rows[0].Int(0), organisation};
+        state_.registration->token());
+    if (!rows.empty()) claim = Claim{flight_id, rows[0].Int(0)};
   }
   writer.Commit();
   return claim;
 }
 
 std::vector<std::string> PostgresClaimStore::ListClaimed() const {
-  if (!state_.process->registration) return {};
+  if (!state_.registration) return {};
   return state_.Read([this](PostgresConnection& connection) {
-    ServeAllOrganisations(connection);
     return connection
         .Run(
             "SELECT flight_id FROM claims JOIN flights ON flights.id = flight_id "
             "WHERE token = $1 ORDER BY number",
-            state_.process->registration->token())
+            state_.registration->token())
         .Texts();
   });
 }
 
 void PostgresClaimStore::Release(const std::string& flight_id) {
-  if (!state_.process->registration) return;
-  ProcessWrite writer(state_);
+  if (!state_.registration) return;
+  PostgresWrite writer(state_);
   writer->Run("DELETE FROM claims WHERE flight_id = $1 AND token = $2",
               flight_id,
-              state_.process->registration->token());
+              state_.registration->token());
   writer.Commit();
 }
 
-bool PostgresClaimStore::Renew() {
-  return !state_.process->registration || state_.process->registration->Renew();
-}
+bool PostgresClaimStore::Renew() { return !state_.registration || state_.registration->Renew(); }
 
 LeaseCounts PostgresClaimStore::CountLeases() const {
   return state_.Read([](PostgresConnection& connection) {
-    ServeAllOrganisations(connection);
     const PostgresRows rows = connection.Run(
         "SELECT (SELECT count(*) FROM workers WHERE expires_at >= clock_timestamp()), "
         "(SELECT count(*) FROM workers WHERE expires_at < clock_timestamp()), "
@@ -137,17 +111,16 @@ LeaseCounts PostgresClaimStore::CountLeases() const {
 
 void PostgresClaimStore::Tell(const SharedEvent& event) {
   if (!IsShared()) return;
-  ProcessWrite writer(state_);
+  PostgresWrite writer(state_);
   writer->Execute("SET LOCAL synchronous_commit = off");
   writer->Run(
       "WITH next AS (UPDATE versions SET value = value + 1 WHERE name = 'events' RETURNING value) "
-      "INSERT INTO told_events (number, origin, type, flight_id, data, organisation) SELECT value, "
-      "$1, $2, $3, $4, $5 FROM next",
-      state_.process->origin,
+      "INSERT INTO told_events (number, origin, type, flight_id, data) SELECT value, $1, $2, $3, "
+      "$4 FROM next",
+      state_.origin,
       event.type,
       event.flight_id,
-      event.data,
-      event.organisation);
+      event.data);
   writer->Execute("NOTIFY freelsd_told");
   writer.Commit();
 }
@@ -155,16 +128,16 @@ void PostgresClaimStore::Tell(const SharedEvent& event) {
 std::vector<SharedEvent> PostgresClaimStore::ListTold(int64_t after_number, int limit) const {
   std::vector<SharedEvent> told = ReadTold(state_, after_number, limit);
   if (!told.empty()) return told;
-  AwaitTold(*state_.process);
+  AwaitTold(state_);
   return ReadTold(state_, after_number, limit);
 }
 
 int64_t PostgresClaimStore::LastTold() const {
-  return static_cast<int64_t>(state_.process->VersionOf("events"));
+  return static_cast<int64_t>(state_.VersionOf("events"));
 }
 
 void PostgresClaimStore::ForgetOldTold() {
-  ProcessWrite writer(state_);
+  PostgresWrite writer(state_);
   writer->Execute("DELETE FROM told_events WHERE told_at < now() - interval '10 minutes'");
   writer.Commit();
 }

@@ -143,10 +143,11 @@ PGresult* PostgresConnection::NextResult(const std::string& step,
   return PQgetResult(connection_.get());
 }
 
-void PostgresConnection::AwaitStatement(const std::string& step,
-                                        SteadyClock::time_point deadline,
-                                        PostgresRows& last,
-                                        std::optional<StorageError>& error) {
+PostgresRows PostgresConnection::Await(const std::string& step, int was_sent) {
+  if (was_sent == 0) Lose(step, OneLine(PQerrorMessage(connection_.get())));
+  const auto deadline = SteadyClock::now() + timeouts_.statement + kSilence;
+  PostgresRows last(nullptr);
+  std::optional<StorageError> error;
   while (PGresult* const result = NextResult(step, deadline)) {
     last = PostgresRows(result);
     const ExecStatusType status = PQresultStatus(result);
@@ -160,59 +161,12 @@ void PostgresConnection::AwaitStatement(const std::string& step,
   if (PQstatus(connection_.get()) != CONNECTION_OK) {
     Lose(step, error ? error->what() : "the connection to the database was lost");
   }
-}
-
-PostgresRows PostgresConnection::Await(const std::string& step, int was_sent) {
-  if (was_sent == 0) Lose(step, OneLine(PQerrorMessage(connection_.get())));
-  PostgresRows last(nullptr);
-  std::optional<StorageError> error;
-  AwaitStatement(step, SteadyClock::now() + timeouts_.statement + kSilence, last, error);
   if (error) throw StorageError(*error);
   return last;
-}
-
-template <typename Send>
-PostgresRows PostgresConnection::Ask(const std::string& step, const Send& send) {
-  if (std::exchange(is_ending_, false)) Await("ROLLBACK", 1);
-  return to_begin_.empty() ? Await(step, send()) : AskInPipeline(step, send);
-}
-
-template <typename Send>
-PostgresRows PostgresConnection::AskInPipeline(const std::string& step, const Send& send) {
-  const std::vector<std::string> to_begin = std::exchange(to_begin_, {});
-  PGconn* const connection = connection_.get();
-  bool is_sent = PQenterPipelineMode(connection) != 0;
-  for (const std::string& sql : to_begin) {
-    is_sent =
-        is_sent &&
-        PQsendQueryParams(connection, sql.c_str(), 0, nullptr, nullptr, nullptr, nullptr, 1) != 0;
-  }
-  is_sent = is_sent && send() != 0 && PQpipelineSync(connection) != 0;
-  if (!is_sent) Lose(step, OneLine(PQerrorMessage(connection)));
-  const auto deadline = SteadyClock::now() + timeouts_.statement + kSilence;
-  PostgresRows last(nullptr);
-  std::optional<StorageError> error;
-  for (size_t i = 0; i <= to_begin.size(); ++i) AwaitStatement(step, deadline, last, error);
-  const PostgresRows end(NextResult(step, deadline));
-  if (PQexitPipelineMode(connection) == 0) Lose(step, OneLine(PQerrorMessage(connection)));
-  if (error) throw StorageError(*error);
-  return last;
-}
-
-void PostgresConnection::EndReading() {
-  // Nothing was asked.
-  if (!std::exchange(to_begin_, {}).empty()) return;
-  if (PQsendQuery(connection_.get(), "ROLLBACK") == 0 || PQflush(connection_.get()) < 0) {
-    Lose("ROLLBACK", OneLine(PQerrorMessage(connection_.get())));
-  }
-  is_ending_ = true;
 }
 
 void PostgresConnection::Execute(const std::string& sql) {
-  // Several statements cannot be sent in a pipeline.
-  const std::string begin = to_begin_.empty() ? "" : to_begin_[0] + "; " + to_begin_[1] + "; ";
-  to_begin_.clear();
-  Ask(StepName(sql), [&] { return PQsendQuery(connection_.get(), (begin + sql).c_str()); });
+  Await(StepName(sql), PQsendQuery(connection_.get(), sql.c_str()));
 }
 
 bool PostgresConnection::AwaitNotification(std::chrono::milliseconds time) {
@@ -248,10 +202,12 @@ const std::string& PostgresConnection::Prepared(const std::string& sql,
   types.reserve(parameters.size());
   for (const PostgresParameter& parameter : parameters) types.push_back(parameter.type);
   const std::string name = "statement_" + std::to_string(prepared_.size());
-  Ask(StepName(sql), [&] {
-    return PQsendPrepare(
-        connection_.get(), name.c_str(), sql.c_str(), static_cast<int>(types.size()), types.data());
-  });
+  Await(StepName(sql),
+        PQsendPrepare(connection_.get(),
+                      name.c_str(),
+                      sql.c_str(),
+                      static_cast<int>(types.size()),
+                      types.data()));
   return prepared_.emplace(sql, name).first->second;
 }
 
@@ -265,15 +221,14 @@ PostgresRows PostgresConnection::RunPrepared(const std::string& sql,
     lengths.push_back(parameter.bytes ? static_cast<int>(parameter.bytes->size()) : 0);
   }
   const std::vector<int> formats(parameters.size(), 1);
-  return Ask(StepName(sql), [&] {
-    return PQsendQueryPrepared(connection_.get(),
-                               name.c_str(),
-                               static_cast<int>(parameters.size()),
-                               values.data(),
-                               lengths.data(),
-                               formats.data(),
-                               1);
-  });
+  return Await(StepName(sql),
+               PQsendQueryPrepared(connection_.get(),
+                                   name.c_str(),
+                                   static_cast<int>(parameters.size()),
+                                   values.data(),
+                                   lengths.data(),
+                                   formats.data(),
+                                   1));
 }
 
 void CheckDatabaseUrl(const std::string& url) {

@@ -89,33 +89,18 @@ class PostgresConnection {
                            const std::vector<PostgresParameter>& parameters);
   // Runs several statements without parameters.
   void Execute(const std::string& sql);
-  // Begins a transaction together with its first statement, and ends it without waiting for the
-  // answer: a transaction of one statement is one round trip. `setting` is a statement that is run
-  // at its beginning.
-  void BeginReading(const std::string& setting) { to_begin_ = {"BEGIN", setting}; }
-  void EndReading();
   // After LISTEN: waits for a NOTIFY of another session. False if there was none in that time.
   bool AwaitNotification(std::chrono::milliseconds time);
   // False after ConnectionLost, and within a transaction.
   bool IsIdle() const {
-    return !is_broken_ && (is_ending_ || PQtransactionStatus(connection_.get()) == PQTRANS_IDLE);
+    return !is_broken_ && PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;
   }
 
  private:
   const std::string& Prepared(const std::string& sql,
                               const std::vector<PostgresParameter>& parameters);
-  // Sends what `send` sends after what ends or begins a reading, waits for all results and returns
-  // the last.
-  template <typename Send>
-  PostgresRows Ask(const std::string& step, const Send& send);
-  template <typename Send>
-  PostgresRows AskInPipeline(const std::string& step, const Send& send);
+  // Waits for all results of what was sent, and returns the last.
   PostgresRows Await(const std::string& step, int was_sent);
-  // The results of one statement up to its end. Keeps the first failure.
-  void AwaitStatement(const std::string& step,
-                      std::chrono::steady_clock::time_point deadline,
-                      PostgresRows& last,
-                      std::optional<StorageError>& error);
   PGresult* NextResult(const std::string& step, std::chrono::steady_clock::time_point deadline);
   void WaitForServer(const std::string& step, std::chrono::steady_clock::time_point deadline);
   [[noreturn]] void Lose(const std::string& step, const std::string& reason);
@@ -124,10 +109,6 @@ class PostgresConnection {
   PostgresTimeouts timeouts_;
   // Names of prepared statements, by their text.
   std::map<std::string, std::string> prepared_;
-  // Statements to be sent before the next one.
-  std::vector<std::string> to_begin_;
-  // The answer to what ended a reading was not read yet.
-  bool is_ending_ = false;
   bool is_broken_ = false;
 };
 

@@ -130,7 +130,7 @@ bool PostgresFlightStore::RetireImages(const std::string& flight_id) {
       "OR EXISTS (SELECT 1 FROM jobs WHERE flight_id = $1 AND state < 2) "
       "OR EXISTS (SELECT 1 FROM flights WHERE id = $1 AND $2 AND created_at_us > us)",
       flight_id,
-      state_.process->options.is_shared);
+      state_.options.is_shared);
   if (!in_use.empty()) return false;
   ChangeFlight(*writer, flight_id, [](FlightRow& flight) { flight.has_retired_images = true; });
   const std::vector<std::string> images = ImagesOfFrames(*writer, flight_id);

@@ -9,7 +9,7 @@ void PostgresImageStore::Write(const std::string& sha256, std::string_view bytes
   // The row's lock comes first: nobody removes the file until the row is committed.
   writer->Run(
       "INSERT INTO images (sha256, num_bytes) VALUES ($1, $2) "
-      "ON CONFLICT (organisation, sha256) DO UPDATE SET num_bytes = $2, written_at = now()",
+      "ON CONFLICT (sha256) DO UPDATE SET num_bytes = $2, written_at = now()",
       sha256,
       static_cast<int64_t>(bytes.size()));
   state_.images.Write(sha256, bytes);

@@ -13,7 +13,7 @@ void RemoveUnused(PostgresState& state, const std::string& sha256) {
   // before; who then refers to the image waits and fails.
   writer->Run(
       "INSERT INTO images (sha256, num_bytes) VALUES ($1, 0) "
-      "ON CONFLICT (organisation, sha256) DO UPDATE SET num_bytes = images.num_bytes",
+      "ON CONFLICT (sha256) DO UPDATE SET num_bytes = images.num_bytes",
       sha256);
   writer->Run("SELECT 1 FROM images WHERE sha256 = $1 FOR UPDATE", sha256);
   const int64_t num_removed =
@@ -31,13 +31,12 @@ void RemoveUnused(PostgresState& state, const std::string& sha256) {
 
 bool TakeSweep(PostgresState& state) {
   PostgresWrite writer(state);
-  writer->Run("INSERT INTO sweeps VALUES ('images', '-infinity') ON CONFLICT DO NOTHING");
   const bool is_due =
       writer
           ->Run(
               "UPDATE sweeps SET swept_at = clock_timestamp() WHERE name = 'images' "
               "AND swept_at <= clock_timestamp() - make_interval(secs => $1)",
-              state.process->options.unused_image_age_s)
+              state.options.unused_image_age_s)
           .NumChanges() > 0;
   writer.Commit();
   return is_due;
@@ -50,7 +49,7 @@ std::vector<std::string> OldUnusedRows(PostgresState& state) {
             "SELECT sha256 FROM images WHERE written_at <= now() - make_interval(secs => $1) "
             "AND NOT EXISTS (SELECT 1 FROM frames WHERE stored_image = images.sha256) "
             "AND NOT EXISTS (SELECT 1 FROM photo_tiles WHERE sha256 = images.sha256)",
-            state.process->options.unused_image_age_s)
+            state.options.unused_image_age_s)
         .Texts();
   });
 }
@@ -77,8 +76,7 @@ void SweepImages(PostgresState& state) {
   // Files that a process left before it stored their row.
   for (const std::string& shelf : ImageFiles::Shelves()) {
     const std::set<std::string> rows = RowsOfShelf(state, shelf);
-    for (const std::string& name :
-         state.images.Old(shelf, state.process->options.unused_image_age_s)) {
+    for (const std::string& name : state.images.Old(shelf, state.options.unused_image_age_s)) {
       if (ImageFiles::IsUnfinished(name)) {
         state.images.Remove(name);
       } else if (!rows.contains(name)) {

@@ -54,7 +54,7 @@ void PutImagesToCome(PostgresConnection& writer, const PhotoTiles& photo_tiles) 
     // Locks the row, also where it is already there: nobody removes it before the commit.
     writer.Run(
         "INSERT INTO images (sha256, num_bytes) VALUES ($1, 0) "
-        "ON CONFLICT (organisation, sha256) DO UPDATE SET num_bytes = images.num_bytes",
+        "ON CONFLICT (sha256) DO UPDATE SET num_bytes = images.num_bytes",
         sha256);
   }
 }

@@ -5,9 +5,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectObstacles[] =
-    "SELECT CASE WHEN organisation = current_setting('freelsd.organisation') THEN id "
-    "ELSE organisation || ':' || id END AS id, feature_json, west_deg, south_deg, east_deg, "
-    "north_deg, expires_at_us, "
+    "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, expires_at_us, "
     "updated_at_us FROM obstacles ";
 
 ObstacleRow ObstacleRowOf(const PostgresRow& row) {
@@ -24,8 +22,7 @@ void PutObstacle(PostgresConnection& writer, const ObstacleRow& obstacle) {
   writer.Run(
       "INSERT INTO obstacles (id, feature_json, west_deg, south_deg, east_deg, north_deg, "
       "expires_at_us, updated_at_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8) "
-      "ON CONFLICT (organisation, id) DO UPDATE SET feature_json = $2, west_deg = $3, south_deg = "
-      "$4, "
+      "ON CONFLICT (id) DO UPDATE SET feature_json = $2, west_deg = $3, south_deg = $4, "
       "east_deg = $5, north_deg = $6, expires_at_us = $7, updated_at_us = $8",
       obstacle.id,
       obstacle.feature_json,
@@ -39,7 +36,7 @@ void PutObstacle(PostgresConnection& writer, const ObstacleRow& obstacle) {
 
 }  // namespace
 
-uint64_t PostgresObstacleStore::Version() const { return state_.process->VersionOf("obstacles"); }
+uint64_t PostgresObstacleStore::Version() const { return state_.VersionOf("obstacles"); }
 
 void PostgresObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) {
   PostgresWrite writer(state_);
@@ -62,12 +59,9 @@ void PostgresObstacleStore::Merge(const ToldObstacles& told) {
   // Whoever writes obstacles waits here for others who do.
   StepObstacles(*writer);
   const auto is_later = [&writer](const std::string& id, int64_t stamp_us) {
-    const PostgresRows later = writer->Run(
-        "SELECT 1 FROM obstacles WHERE id = $1 AND updated_at_us > $2 AND organisation = "
-        "current_setting('freelsd.organisation')",
-        id,
-        stamp_us);
-    return !later.empty();
+    return !writer
+                ->Run("SELECT 1 FROM obstacles WHERE id = $1 AND updated_at_us > $2", id, stamp_us)
+                .empty();
   };
   for (const ObstacleRemoval& removal : told.removed) {
     if (is_later(removal.id, removal.through_us)) continue;
@@ -81,10 +75,7 @@ void PostgresObstacleStore::Merge(const ToldObstacles& told) {
 
 std::optional<ObstacleRow> PostgresObstacleStore::Find(const std::string& id) const {
   return state_.Read([&](PostgresConnection& connection) -> std::optional<ObstacleRow> {
-    const PostgresRows rows = connection.Run(
-        std::string(kSelectObstacles) +
-            "WHERE id = $1 AND organisation = current_setting('freelsd.organisation')",
-        id);
+    const PostgresRows rows = connection.Run(std::string(kSelectObstacles) + "WHERE id = $1", id);
     if (rows.empty()) return std::nullopt;
     return ObstacleRowOf(rows[0]);
   });
@@ -92,7 +83,7 @@ std::optional<ObstacleRow> PostgresObstacleStore::Find(const std::string& id) co
 
 std::vector<ObstacleRow> PostgresObstacleStore::List() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection.Run(std::string(kSelectObstacles) + "ORDER BY 1").Each(ObstacleRowOf);
+    return connection.Run(std::string(kSelectObstacles) + "ORDER BY id").Each(ObstacleRowOf);
   });
 }
 

@@ -21,7 +21,7 @@ class Ownership {
   Ownership(const Ownership&) = delete;
   Ownership& operator=(const Ownership&) = delete;
 
-  // Takes the token. Before the first Check, and after the migrations.
+  // Takes the token. Before the first Check, once the schema is there.
   void Begin();
 
   // Within a transaction. Throws StorageError if another process took the database for itself.

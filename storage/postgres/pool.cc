@@ -17,9 +17,8 @@ std::chrono::milliseconds MillisecondsOf(double seconds) {
 
 }  // namespace
 
-ConnectionPool::ConnectionPool(const StorageOptions& options, const std::string& role)
+ConnectionPool::ConnectionPool(const StorageOptions& options)
     : url_(options.database_url),
-      role_(role),
       timeouts_{MillisecondsOf(options.connection_timeout_s),
                 MillisecondsOf(options.statement_timeout_s)},
       max_num_connections_(options.max_num_connections) {}
@@ -75,9 +74,7 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Connect(
   std::chrono::milliseconds pause = kFirstPause;
   for (;;) {
     try {
-      auto connection = std::make_unique<PostgresConnection>(url_, timeouts_);
-      if (!role_.empty()) connection->Execute("SET ROLE " + role_);
-      return connection;
+      return std::make_unique<PostgresConnection>(url_, timeouts_);
     } catch (const ConnectionLost& error) {
       if (SteadyClock::now() + pause > deadline) {
         throw StorageError("reach the database", error.what());
@@ -102,14 +99,14 @@ void ConnectionPool::GiveBack(std::unique_ptr<PostgresConnection> connection) {
 }
 
 // Nothing was done before BEGIN, so it may be sent twice.
-PostgresTransaction::PostgresTransaction(ConnectionPool& pool, const std::string& begin)
+PostgresTransaction::PostgresTransaction(ConnectionPool& pool)
     : lease_(std::make_unique<ConnectionLease>(pool)) {
   try {
-    (*lease_)->Execute(begin);
+    (*lease_)->Execute("BEGIN");
   } catch (const ConnectionLost&) {
     lease_.reset();
     lease_ = std::make_unique<ConnectionLease>(pool);
-    (*lease_)->Execute(begin);
+    (*lease_)->Execute("BEGIN");
   }
 }
 
@@ -126,15 +123,6 @@ PostgresTransaction::~PostgresTransaction() {
 void PostgresTransaction::Commit() {
   (*lease_)->Execute("COMMIT");
   is_open_ = false;
-}
-
-PostgresReading::~PostgresReading() {
-  try {
-    connection_.EndReading();
-  } catch (const StorageError&) {
-    // The connection is broken, which the pool sees: what was read is whole.
-    return;
-  }
 }
 
 }  // namespace freelsd

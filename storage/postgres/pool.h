@@ -16,8 +16,7 @@ namespace freelsd {
 // Thread-safe.
 class ConnectionPool {
  public:
-  // `role`: what the connections act as; empty: as the user of the URI.
-  explicit ConnectionPool(const StorageOptions& options, const std::string& role = "");
+  explicit ConnectionPool(const StorageOptions& options);
 
   // Waits for a connection, and tries again with growing pauses if the database cannot be reached.
   // Throws StorageError when connection_timeout_s is over.
@@ -33,7 +32,6 @@ class ConnectionPool {
   std::unique_ptr<PostgresConnection> Connect(std::chrono::steady_clock::time_point deadline) const;
 
   std::string url_;
-  std::string role_;
   PostgresTimeouts timeouts_;
   int max_num_connections_;
   // Guards the fields below.
@@ -76,8 +74,7 @@ auto WithConnection(ConnectionPool& pool, const Act& act) {
 // A transaction (READ COMMITTED). Rolls back unless Commit was called.
 class PostgresTransaction {
  public:
-  // `begin` begins with BEGIN, and may set what holds for the transaction.
-  explicit PostgresTransaction(ConnectionPool& pool, const std::string& begin = "BEGIN");
+  explicit PostgresTransaction(ConnectionPool& pool);
   ~PostgresTransaction();
   PostgresTransaction(const PostgresTransaction&) = delete;
   PostgresTransaction& operator=(const PostgresTransaction&) = delete;
@@ -89,22 +86,6 @@ class PostgresTransaction {
  private:
   std::unique_ptr<ConnectionLease> lease_;
   bool is_open_ = true;
-};
-
-// A transaction that only reads, on a connection that the caller has.
-class PostgresReading {
- public:
-  // `setting`: a statement that it begins with.
-  PostgresReading(PostgresConnection& connection, const std::string& setting)
-      : connection_(connection) {
-    connection_.BeginReading(setting);
-  }
-  ~PostgresReading();
-  PostgresReading(const PostgresReading&) = delete;
-  PostgresReading& operator=(const PostgresReading&) = delete;
-
- private:
-  PostgresConnection& connection_;
 };
 
 }  // namespace freelsd

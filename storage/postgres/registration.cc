@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include "storage/postgres/organisations/organisations.h"
-
 namespace freelsd {
 namespace {
 
@@ -29,7 +27,6 @@ Registration::Registration(ConnectionPool& pool, double lease_s)
 Registration::~Registration() {
   try {
     PostgresTransaction writer(pool_);
-    ServeAllOrganisations(*writer);
     writer->Run("UPDATE claims SET token = NULL, num_lost = 0 WHERE token = $1", token_);
     writer->Run("DELETE FROM workers WHERE token = $1", token_);
     writer.Commit();

@@ -27,18 +27,6 @@ Standing StandingOf(const PostgresRow& row, int first_column) {
   return standing;
 }
 
-void PutSiteMap(PostgresConnection& writer, const std::string& site_id, std::string_view map) {
-  if (map.empty()) {
-    writer.Run("DELETE FROM site_maps WHERE site_id = $1", site_id);
-    return;
-  }
-  writer.Run(
-      "INSERT INTO site_maps (site_id, map) VALUES ($1, $2) "
-      "ON CONFLICT (site_id) DO UPDATE SET map = $2",
-      site_id,
-      Bytes{map});
-}
-
 Boxed<RecallRow> BoxedRecallRow(const PostgresRow& row) {
   RecallRow site;
   site.site_id = row.Text(0);
@@ -55,16 +43,10 @@ Boxed<RecallRow> BoxedRecallRow(const PostgresRow& row) {
   return {BoxAt(row, 13), std::make_shared<const RecallRow>(std::move(site))};
 }
 
-// Of a flight's map, or of a site's own.
 Boxed<MapRow> BoxedMapRow(const PostgresRow& row) {
-  return {BoxAt(row, 6),
-          std::make_shared<const MapRow>(MapRow{row.Text(0),
-                                                row.Text(1),
-                                                row.Int(2),
-                                                row.Text(3),
-                                                row.Int(4),
-                                                row.Bool(5),
-                                                row.OptionalInt(10)})};
+  return {BoxAt(row, 5),
+          std::make_shared<const MapRow>(
+              MapRow{row.Text(0), row.Text(1), row.Text(2), row.Int(3), row.OptionalInt(4)})};
 }
 
 }  // namespace
@@ -112,7 +94,7 @@ SiteRow WholeSiteRowOf(const PostgresRow& row) {
   return site;
 }
 
-void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view map_blob) {
+void PutSite(PostgresConnection& writer, const SiteRow& site) {
   RecallData data = site.recall.value_or(RecallData{});
   if (!site.recall) data.altitude_datum = site.map_datum;
   const BoundingBox touchdown{
@@ -154,7 +136,6 @@ void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view m
       site.seen_until_us.value_or(0));
   PutSiteArea(writer, site.id, box);
   PutSiteStandings(writer, {{site.id, site}});
-  PutSiteMap(writer, site.id, map_blob);
 }
 
 void PutSiteStandings(PostgresConnection& writer, const Standings& standings) {
@@ -199,22 +180,12 @@ BoxCache<std::string>::Rows SelectOverruledIds(PostgresConnection& connection,
 }
 
 BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection& connection, const BoundingBox& box) {
-  BoxCache<MapRow>::Rows rows =
-      SelectMapsMeeting(connection,
-                        "SELECT id, flight_id, 0::bigint, altitude_datum, seen_at_us, true, "
-                        "west_deg, south_deg, east_deg, north_deg, seen_until_us FROM maps "
-                        "WHERE is_in_force AND id IN",
-                        box)
-          .Each(BoxedMapRow);
-  BoxCache<MapRow>::Rows own =
-      SelectSitesMeeting(connection,
-                         "SELECT id, flight_id, updated_at_us, altitude_datum, seen_at_us, false, "
-                         "west_deg, south_deg, east_deg, north_deg, seen_until_us FROM sites "
-                         "WHERE map_id = '' AND id IN",
-                         box)
-          .Each(BoxedMapRow);
-  std::move(own.begin(), own.end(), std::back_inserter(rows));
-  return rows;
+  return SelectMapsMeeting(connection,
+                           "SELECT id, flight_id, altitude_datum, seen_at_us, seen_until_us, "
+                           "west_deg, south_deg, east_deg, north_deg FROM maps "
+                           "WHERE is_in_force AND id IN",
+                           box)
+      .Each(BoxedMapRow);
 }
 
 }  // namespace freelsd

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "storage/box_cache.h"
 #include "storage/postgres/connection.h"
@@ -11,7 +10,7 @@
 namespace freelsd {
 
 // Writes are within the caller's transaction.
-void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view map_blob);
+void PutSite(PostgresConnection& writer, const SiteRow& site);
 // Ids without a site are ignored.
 void PutSiteStandings(PostgresConnection& writer, const Standings& standings);
 

@@ -35,17 +35,11 @@ std::vector<std::string> PhotosOf(PostgresConnection& writer,
 // Holds the row of the version of sites, which all who change sites need.
 class PostgresSiteTurn final : public SiteTurn {
  public:
-  explicit PostgresSiteTurn(PostgresState& state)
-      : state_(state), lock_(state.process->turns_mutex) {
+  explicit PostgresSiteTurn(PostgresState& state) : state_(state), lock_(state.turns_mutex) {
     writer_.emplace(state_);
     StepSites(**writer_);
   }
 
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override {
-    PutSite(**writer_, site, map_blob);
-    PutSiteStandings(**writer_, others);
-    End();
-  }
   void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
   bool Delete(const std::string& site_id, const Standings& others) override {
     const bool was_there = DeleteSite(**writer_, site_id);
@@ -81,7 +75,7 @@ void PostgresSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings
   for (const std::string& id : rows.new_maps) {
     writer->Run("UPDATE maps SET is_in_force = true WHERE id = $1", id);
   }
-  for (const SiteRow& site : rows.sites) PutSite(*writer, site, OwnMapIn(rows, site.id));
+  for (const SiteRow& site : rows.sites) PutSite(*writer, site);
   PutSiteStandings(*writer, others);
   if (rows.deleted_flight) {
     const auto of_frames = DeleteFlightRow(*writer, *rows.deleted_flight);
@@ -100,7 +94,7 @@ std::vector<std::string> ReadIds(PostgresState& state,
 
 }  // namespace
 
-uint64_t PostgresSiteStore::Version() const { return state_.process->VersionOf("sites"); }
+uint64_t PostgresSiteStore::Version() const { return state_.VersionOf("sites"); }
 
 std::unique_ptr<SiteTurn> PostgresSiteStore::TakeTurn() {
   return std::make_unique<PostgresSiteTurn>(state_);
@@ -150,22 +144,8 @@ std::vector<SiteRow> PostgresSiteStore::List(const std::optional<std::string>& f
   });
 }
 
-std::optional<std::string> PostgresSiteStore::ReadMap(const std::string& site_id) const {
-  return state_.Read([&](PostgresConnection& connection) -> std::optional<std::string> {
-    const PostgresRows rows =
-        connection.Run("SELECT map FROM site_maps WHERE site_id = $1", site_id);
-    if (rows.empty()) return std::nullopt;
-    return rows[0].Text(0);
-  });
-}
-
 std::vector<std::string> PostgresSiteStore::ListDependents(const std::string& site_id) const {
-  return ReadIds(
-      state_,
-      "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT id FROM sites "
-      "WHERE superseded_by_map <> '' AND superseded_by_map = $1 UNION SELECT id FROM "
-      "sites WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = $1) ORDER BY id",
-      site_id);
+  return ReadIds(state_, "SELECT id FROM sites WHERE superseded_by = $1 ORDER BY id", site_id);
 }
 
 std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::string& map_id) const {
@@ -177,10 +157,7 @@ std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::strin
 
 std::vector<std::string> PostgresSiteStore::ListUnchecked() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection
-        .Run(
-            "SELECT id FROM sites WHERE is_recallable AND NOT is_checked AND organisation = "
-            "current_setting('freelsd.organisation') ORDER BY id")
+    return connection.Run("SELECT id FROM sites WHERE is_recallable AND NOT is_checked ORDER BY id")
         .Texts();
   });
 }
@@ -235,24 +212,18 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
   }
   RecallBounds bounds = state_.Read([](PostgresConnection& connection) {
     RecallBounds read;
-    // One search of an index for each organisation that is seen.
     read.min_altitude_m =
-        connection
-            .Run(
-                "SELECT coalesce(min((SELECT altitude_m FROM sites WHERE organisation = name AND "
-                "is_recallable ORDER BY altitude_m LIMIT 1)), 0) FROM organisations")[0]
+        connection.Run("SELECT coalesce(min(altitude_m), 0) FROM sites WHERE is_recallable")[0]
             .Real(0);
-    // And for each aircraft: many sites are of the same.
+    // One search of an index for each aircraft: many sites are of the same.
     read.aircraft_jsons =
         connection
             .Run(
-                "WITH RECURSIVE found AS (SELECT name, (SELECT aircraft_json COLLATE \"C\" FROM "
-                "sites WHERE organisation = name AND is_recallable ORDER BY aircraft_json COLLATE "
-                "\"C\" LIMIT 1) AS json FROM organisations UNION ALL SELECT name, (SELECT "
-                "aircraft_json COLLATE \"C\" FROM sites WHERE organisation = name AND "
-                "is_recallable AND aircraft_json COLLATE \"C\" > json ORDER BY aircraft_json "
-                "COLLATE \"C\" LIMIT 1) FROM found WHERE json IS NOT NULL) "
-                "SELECT DISTINCT json FROM found WHERE json IS NOT NULL ORDER BY json")
+                "WITH RECURSIVE found AS ((SELECT aircraft_json COLLATE \"C\" AS json FROM sites "
+                "WHERE is_recallable ORDER BY 1 LIMIT 1) UNION ALL SELECT (SELECT aircraft_json "
+                "COLLATE \"C\" FROM sites WHERE is_recallable AND aircraft_json COLLATE \"C\" > "
+                "json ORDER BY 1 LIMIT 1) FROM found WHERE json IS NOT NULL) "
+                "SELECT json FROM found WHERE json IS NOT NULL")
             .Texts();
     return read;
   });

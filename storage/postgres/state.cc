@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "storage/postgres/images.h"
-#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
 
 namespace freelsd {
 namespace {
@@ -36,34 +36,7 @@ std::vector<std::string> NoticesOf(PostgresConnection& connection) {
         "PostgreSQL has no data checksums: damage of its files may stay unnoticed (see "
         "pg_checksums --enable)");
   }
-  if (!MarkedBoxesFound(connection)) {
-    notices.emplace_back(
-        "recall reads all sites: a superuser must run ALTER FUNCTION geometry_overlaps(geometry, "
-        "geometry) LEAKPROOF");
-  }
   return notices;
-}
-
-// The same image of two organisations is stored twice: nobody learns what others have.
-std::filesystem::path ImagesOf(const std::filesystem::path& folder, const std::string& name) {
-  return name == kDefaultOrganisation ? folder : folder / "organisations" / name;
-}
-
-constexpr double kMigrationTimeoutS = 3600.0;
-
-// Before this process shares the schema. Those that share it now know only the former version: they
-// must have stopped. One whose lock was lost with its connection writes nothing more.
-void MigrateAlone(PostgresConnection& connection, ConnectionPool& owner_pool) {
-  std::optional<Ownership> alone;
-  try {
-    alone.emplace(owner_pool, OwnershipKind::kAlone);
-  } catch (const StorageError& failure) {
-    throw StorageError("migrate the database",
-                       std::string(failure.what()) +
-                           "; stop all servers of the former version before one of this starts");
-  }
-  alone->Begin();
-  MigrateDatabase(connection);
 }
 
 void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
@@ -74,34 +47,43 @@ void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
 
 }  // namespace
 
-PostgresProcess::PostgresProcess(const StorageOptions& given)
+PostgresState::PostgresState(const StorageOptions& given)
     : options(Checked(given)),
       lock(MadeFolder(options.folder)),
-      readers(options, kAppRole),
-      writers(options, kAppRole),
+      readers(options),
+      writers(options),
       owner_pool(options),
-      listener_pool(options, kAppRole),
-      notices(options.folder / "notices", options.log_notice) {
-  // As the user of the URI, who may own the schema. A migration rewrites whole tables.
-  StorageOptions of_owner = options;
-  of_owner.statement_timeout_s = std::max(kMigrationTimeoutS, options.statement_timeout_s);
-  ConnectionPool owner(of_owner);
-  const ConnectionLease connection(owner);
-  if (NeedsMigration(*connection)) MigrateAlone(*connection, owner_pool);
-  ownership.emplace(owner_pool, options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
-  MigrateDatabase(*connection);
-  ownership->Begin();
-  if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
-  origin = (*connection).Run("SELECT gen_random_uuid()::text")[0].Text(0);
-  for (const std::string& text : NoticesOf(*connection)) notices.AddForNow(text);
+      listener_pool(options),
+      notices(options.folder / "notices", options.log_notice),
+      images(Open()) {
+  {
+    PostgresWrite writer(*this);
+    DeleteUnfinishedMaps(*writer, options.unused_image_age_s);
+    writer.Commit();
+  }
+  CheckThatImagesAreThere();
+  SweepImages(*this);
 }
 
-ConnectionPool& PostgresProcess::Writers() {
+std::filesystem::path PostgresState::Open() {
+  ownership.emplace(owner_pool, options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
+  {
+    const ConnectionLease connection(writers);
+    CreateSchema(*connection);
+    origin = connection->Run("SELECT gen_random_uuid()::text")[0].Text(0);
+    for (const std::string& text : NoticesOf(*connection)) notices.AddForNow(text);
+  }
+  ownership->Begin();
+  if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
+  return options.images_folder;
+}
+
+ConnectionPool& PostgresState::Writers() {
   if (is_damaged) throw StorageError("write", "the database is damaged");
   return writers;
 }
 
-void PostgresProcess::MarkDamaged(const std::string& why) {
+void PostgresState::MarkDamaged(const std::string& why) {
   if (is_damaged.exchange(true)) return;
   notices.AddForNow("the database is damaged (" + why +
                     "): this server writes nothing until its next start");
@@ -114,11 +96,11 @@ thread_local const HeldVersions* held_versions = nullptr;
 
 }  // namespace
 
-HeldVersions::HeldVersions(PostgresProcess& process) : process_(process), before_(held_versions) {
-  if (before_ != nullptr && &before_->process_ == &process) {
+HeldVersions::HeldVersions(PostgresState& state) : state_(state), before_(held_versions) {
+  if (before_ != nullptr && &before_->state_ == &state) {
     versions_ = before_->versions_;
   } else {
-    versions_ = WithConnection(process.readers, [](PostgresConnection& connection) {
+    versions_ = state.Read([](PostgresConnection& connection) {
       std::map<std::string, uint64_t> read;
       const PostgresRows rows = connection.Run("SELECT name, value FROM versions");
       for (int i = 0; i < rows.size(); ++i) {
@@ -132,57 +114,36 @@ HeldVersions::HeldVersions(PostgresProcess& process) : process_(process), before
 
 HeldVersions::~HeldVersions() { held_versions = before_; }
 
-std::optional<uint64_t> HeldVersions::Find(const PostgresProcess& process,
-                                           const std::string& name) {
-  if (held_versions == nullptr || &held_versions->process_ != &process) return std::nullopt;
+std::optional<uint64_t> HeldVersions::Find(const PostgresState& state, const std::string& name) {
+  if (held_versions == nullptr || &held_versions->state_ != &state) return std::nullopt;
   const auto found = held_versions->versions_.find(name);
   return found == held_versions->versions_.end() ? std::nullopt : std::optional(found->second);
 }
 
-uint64_t PostgresProcess::VersionOf(const std::string& name) {
+uint64_t PostgresState::VersionOf(const std::string& name) {
   if (const auto held = HeldVersions::Find(*this, name)) return *held;
-  return WithConnection(readers, [&](PostgresConnection& connection) {
+  return Read([&](PostgresConnection& connection) {
     const PostgresRows rows = connection.Run("SELECT value FROM versions WHERE name = $1", name);
     if (rows.empty()) throw StorageError("read a version", "its row is missing");
     return static_cast<uint64_t>(rows[0].Int(0));
   });
 }
 
-PostgresState::PostgresState(std::shared_ptr<PostgresProcess> opened, const std::string& name)
-    : process(std::move(opened)),
-      organisation(name),
-      setting(SettingOf(name)),
-      images(ImagesOf(process->options.images_folder, name)) {
-  {
-    PostgresWrite writer(*this);
-    RegisterOrganisation(*writer, organisation);
-    DeleteUnfinishedMaps(*writer, process->options.unused_image_age_s);
-    writer.Commit();
-  }
-  CheckThatImagesAreThere();
-  SweepImages(*this);
-}
-
 // A server that sees another folder, or none, would take every stored photograph for lost.
 void PostgresState::CheckThatImagesAreThere() {
-  const std::vector<std::string> stored = Read([&](PostgresConnection& connection) {
-    return connection
-        .Run("SELECT sha256 FROM images WHERE organisation = $1 LIMIT 20", organisation)
-        .Texts();
+  const std::vector<std::string> stored = Read([](PostgresConnection& connection) {
+    return connection.Run("SELECT sha256 FROM images LIMIT 20").Texts();
   });
   const auto is_there = [this](const std::string& sha256) { return images.Has(sha256); };
   if (stored.empty() || std::any_of(stored.begin(), stored.end(), is_there)) return;
   throw StorageError("open the images",
-                     "none of the stored ones is in " +
-                         ImagesOf(process->options.images_folder, organisation).string() +
+                     "none of the stored ones is in " + options.images_folder.string() +
                          ": is the folder mounted?");
 }
 
-PostgresWrite::PostgresWrite(PostgresState& state)
-    : PostgresTransaction(state.process->Writers(), "BEGIN; " + state.setting) {
-  const PostgresProcess& process = *state.process;
-  if (process.ownership) process.ownership->Check(**this);
-  if (process.registration) process.registration->Check(**this);
+PostgresWrite::PostgresWrite(PostgresState& state) : PostgresTransaction(state.Writers()) {
+  if (state.ownership) state.ownership->Check(**this);
+  if (state.registration) state.registration->Check(**this);
 }
 
 void StepSites(PostgresConnection& writer) {

@@ -1,19 +1,16 @@
 // The state that all stores share: pools of connections, the image files, and caches for recall.
-// Each organisation has stores and a state of its own, so that no cache is common to two.
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "storage/box_cache.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
-#include "storage/postgres/organisations/organisations.h"
 #include "storage/postgres/ownership.h"
 #include "storage/postgres/pool.h"
 #include "storage/postgres/registration.h"
@@ -23,10 +20,15 @@ namespace freelsd {
 
 // What this process has of the database. Thread-safe. Readers and writers have pools of their own,
 // so that readers never wait for writers.
-struct PostgresProcess {
-  // Opens the database and creates or migrates its schema.
-  explicit PostgresProcess(const StorageOptions& given);
+struct PostgresState {
+  // Opens the database, and creates its schema in an empty one.
+  explicit PostgresState(const StorageOptions& given);
 
+  // Runs `act` with a connection for reading. `act` may run twice.
+  template <typename Act>
+  auto Read(const Act& act) {
+    return WithConnection(readers, act);
+  }
   // Throws StorageError after MarkDamaged.
   ConnectionPool& Writers();
   void MarkDamaged(const std::string& why);
@@ -37,10 +39,10 @@ struct PostgresProcess {
   FolderLock lock;
   ConnectionPool readers;
   ConnectionPool writers;
-  // Of one connection.
+  // For what may wait neither for readers nor for writers: ownership and registration.
   ConnectionPool owner_pool;
-  // The same, for `listener`: it hears when others tell something. Empty until it is needed, and
-  // after the connection broke. Only the thread that calls ListTold uses it.
+  // Of one connection, for `listener`: it hears when others tell something. Empty until it is
+  // needed, and after the connection broke. Only the thread that calls ListTold uses it.
   ConnectionPool listener_pool;
   std::optional<ConnectionLease> listener;
   // Set once the schema is there.
@@ -54,39 +56,6 @@ struct PostgresProcess {
   std::mutex turns_mutex;
   // None outlasts the process: it finds again what its start finds.
   NoticeBoard notices;
-};
-
-// While it lives, its thread is told these versions, and does not ask the database again.
-class HeldVersions : public VersionHold {
- public:
-  explicit HeldVersions(PostgresProcess& process);
-  ~HeldVersions() override;
-  // Nothing if this thread holds no versions of the process.
-  static std::optional<uint64_t> Find(const PostgresProcess& process, const std::string& name);
-
- private:
-  const PostgresProcess& process_;
-  const HeldVersions* before_;
-  std::map<std::string, uint64_t> versions_;
-};
-
-// What is an organisation's. Thread-safe.
-struct PostgresState {
-  PostgresState(std::shared_ptr<PostgresProcess> opened, const std::string& name);
-
-  // Runs `act` with a connection in a transaction of the organisation. `act` may run twice.
-  template <typename Act>
-  auto Read(const Act& act) {
-    return WithConnection(process->readers, [&](PostgresConnection& connection) {
-      const PostgresReading reading(connection, setting);
-      return act(connection);
-    });
-  }
-
-  std::shared_ptr<PostgresProcess> process;
-  std::string organisation;
-  // Its transactions begin with it.
-  std::string setting;
   ImageFiles images;
   BoxCache<RecallRow> recall_rows;
   BoxCache<MapRow> map_rows;
@@ -97,10 +66,27 @@ struct PostgresState {
   RecallBounds bounds;
 
  private:
+  // Takes the database, once it has its schema. Returns the folder of the images, in which nothing
+  // has changed if this throws.
+  std::filesystem::path Open();
   void CheckThatImagesAreThere();
 };
 
-// A transaction of the organisation on a connection for writing.
+// While it lives, its thread is told these versions, and does not ask the database again.
+class HeldVersions : public VersionHold {
+ public:
+  explicit HeldVersions(PostgresState& state);
+  ~HeldVersions() override;
+  // Nothing if this thread holds no versions of the state.
+  static std::optional<uint64_t> Find(const PostgresState& state, const std::string& name);
+
+ private:
+  const PostgresState& state_;
+  const HeldVersions* before_;
+  std::map<std::string, uint64_t> versions_;
+};
+
+// A transaction on one of the state's connections for writing.
 class PostgresWrite : public PostgresTransaction {
  public:
   explicit PostgresWrite(PostgresState& state);

@@ -8,15 +8,6 @@ namespace freelsd {
 
 struct PostgresState;
 
-class PostgresQuotaStore final : public QuotaStore {
- public:
-  explicit PostgresQuotaStore(PostgresState& state) : state_(state) {}
-  std::optional<QuotaRefusal> Admit(const Quotas& quotas, const QuotaDemand& demand) override;
-
- private:
-  PostgresState& state_;
-};
-
 class PostgresFlightStore final : public FlightStore {
  public:
   explicit PostgresFlightStore(PostgresState& state) : state_(state) {}
@@ -133,7 +124,6 @@ class PostgresSiteStore final : public SiteStore {
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const override;
   uint64_t Version() const override;
-  std::optional<std::string> ReadMap(const std::string& site_id) const override;
   std::vector<std::string> ListDependents(const std::string& site_id) const override;
   std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const override;
   std::vector<std::string> ListUnchecked() const override;
@@ -218,7 +208,6 @@ class PostgresClaimStore final : public ClaimStore {
  public:
   explicit PostgresClaimStore(PostgresState& state) : state_(state) {}
   bool IsShared() const override;
-  std::vector<std::string> ListOrganisations() const override;
   std::optional<Claim> ClaimNext() override;
   std::vector<std::string> ListClaimed() const override;
   void Release(const std::string& flight_id) override;

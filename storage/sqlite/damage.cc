@@ -1,12 +1,13 @@
 #include "storage/sqlite/damage.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <optional>
 
 #include "storage/sqlite/changes/changes.h"
-#include "storage/sqlite/migrations.h"
+#include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite.h"
 #include "storage/storage_error.h"
 
@@ -20,7 +21,7 @@ constexpr char kSetAsideName[] = "set-aside";
 constexpr const char* kSuffixes[] = {"", "-wal", "-shm"};
 
 struct Stamp {
-  int64_t version = 0;
+  int64_t number = 0;
   int64_t application_id = 0;
 };
 
@@ -39,34 +40,75 @@ std::optional<Stamp> StampOf(const std::filesystem::path& file) {
                NumberOf(connection, "PRAGMA application_id")};
 }
 
+constexpr size_t kHeadBytes = 72;
+using Head = std::array<char, kHeadBytes>;
+
+// Big-endian, as all numbers of SQLite's files.
+template <size_t kSize>
+uint32_t NumberAt(const std::array<char, kSize>& bytes, size_t place) {
+  uint32_t number = 0;
+  for (size_t i = 0; i < 4; ++i) number = number << 8 | static_cast<uint8_t>(bytes.at(place + i));
+  return number;
+}
+
+// The beginning of the first page, the latest that the write-ahead log has, else that of the file.
+// Without SQLite, which would write the log into the file. All 0 if there is none.
+Head HeadOf(const std::filesystem::path& file) {
+  Head head{};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(head.data(), head.size())) head = {};
+  std::ifstream log(file.string() + "-wal", std::ios::binary);
+  std::array<char, 32> log_head{};
+  if (!log.read(log_head.data(), log_head.size())) return head;
+  const std::streamoff page_size = NumberAt(log_head, 8);
+  std::array<char, 24> frame{};
+  while (log.read(frame.data(), frame.size())) {
+    const std::streampos next = log.tellg() + page_size;
+    // Frames of other salts are of before.
+    const bool is_current = NumberAt(frame, 8) == NumberAt(log_head, 16) &&
+                            NumberAt(frame, 12) == NumberAt(log_head, 20);
+    Head found{};
+    if (is_current && NumberAt(frame, 0) == 1 && log.read(found.data(), found.size())) head = found;
+    log.seekg(next);
+  }
+  return head;
+}
+
+Stamp StampInHead(const std::filesystem::path& file) {
+  constexpr size_t kPlaceOfNumber = 60, kPlaceOfApplicationId = 68;
+  const Head head = HeadOf(file);
+  return {static_cast<int32_t>(NumberAt(head, kPlaceOfNumber)),
+          static_cast<int32_t>(NumberAt(head, kPlaceOfApplicationId))};
+}
+
+// The first programs set no application_id.
+bool IsOther(const Stamp& stamp) {
+  const bool is_stated =
+      stamp.application_id == ApplicationId(stamp.number) || stamp.application_id == 0;
+  return stamp.number > 0 && stamp.number != kSchemaNumber && is_stated;
+}
+
 // Also nothing if the copy cannot be read, because it then proves nothing about the database.
-std::optional<int64_t> VersionOfCopy(const std::filesystem::path& folder) {
+std::optional<int64_t> NumberOfCopy(const std::filesystem::path& folder) {
   try {
     const std::optional<Stamp> stamp = StampOf(folder / kCopyName);
-    return stamp ? std::optional(stamp->version) : std::nullopt;
+    return stamp ? std::optional(stamp->number) : std::nullopt;
   } catch (const StorageError&) {
     return std::nullopt;
   }
 }
 
-// Checks both files: a newer program may have been killed after it migrated one of them.
-void RefuseNewer(const std::filesystem::path& folder) {
-  for (const char* name : {kDatabaseName, kCopyName}) {
-    std::optional<Stamp> stamp;
-    try {
-      stamp = StampOf(folder / name);
-    } catch (const StorageError& error) {
-      if (error.fault != StorageFault::kDamaged) throw;
-    }
-    if (!stamp || stamp->version <= kSchemaVersion) continue;
-    if (stamp->application_id != ApplicationId(stamp->version)) continue;
-    throw StorageError("open " + (folder / name).string(),
-                       "a newer freelsd wrote it: its schema has version " +
-                           std::to_string(stamp->version) +
-                           ", this program supports versions up to " +
-                           std::to_string(kSchemaVersion) + "; nothing was changed",
-                       StorageFault::kNewer);
-  }
+// Either file shows that another program wrote the folder: the other one may be lost or damaged.
+void RefuseOther(const std::filesystem::path& folder) {
+  const std::filesystem::path database = folder / kDatabaseName, copy = folder / kCopyName;
+  const Stamp main = StampInHead(database), second = StampInHead(copy);
+  const auto refuse = [](const std::filesystem::path& file, const Stamp& stamp) {
+    throw OtherSchema("open " + file.string(), stamp.number, kSchemaNumber);
+  };
+  if (IsOther(main)) refuse(database, main);
+  if (IsOther(second)) refuse(copy, second);
+  const bool is_of_both = main.number == second.number && main.number > 0;
+  if (is_of_both && main.number != kSchemaNumber) refuse(database, main);
 }
 
 // Nothing if there is no such file.
@@ -85,15 +127,15 @@ std::optional<std::string> WhyDamaged(const std::filesystem::path& folder) {
     if (error.fault != StorageFault::kDamaged) throw;
     return error.what();
   }
-  if (stamp && stamp->version == kSchemaVersion) return std::nullopt;
-  // The copy is migrated after the database. If only the copy has this program's version, the
-  // database was lost or replaced. Files of a newer program were refused before.
-  const bool is_copy_current = VersionOfCopy(folder) == kSchemaVersion;
-  const bool has_content = stamp && stamp->version != 0;
+  if (stamp && stamp->number == kSchemaNumber) return std::nullopt;
+  // The copy is created after the database. If only the copy has this program's schema, the
+  // database was lost or replaced. Files of other programs were refused before.
+  const bool is_copy_current = NumberOfCopy(folder) == kSchemaNumber;
+  const bool has_content = stamp && stamp->number != 0;
   const bool had_content = std::filesystem::exists(folder / kDatabaseFileName);
   if (!is_copy_current && (has_content || !had_content)) return std::nullopt;
   if (!stamp) return "its file is missing";
-  return has_content ? "its schema version differs from its copy's" : "its file is empty";
+  return has_content ? "its schema number differs from its copy's" : "its file is empty";
 }
 
 // `is_database_lost`: the copy is then all that could be left.
@@ -102,10 +144,10 @@ std::optional<std::string> WhyCopyDamaged(const std::filesystem::path& folder,
   if (auto why = ContentOf(folder / kCopyMarkName)) return why;
   try {
     const std::optional<Stamp> stamp = StampOf(folder / kCopyName);
-    if (!stamp || stamp->version == 0) {
+    if (!stamp || stamp->number == 0) {
       return is_database_lost ? std::optional("its file is missing or empty") : std::nullopt;
     }
-    if (stamp->version < 0 || stamp->version > kSchemaVersion) return "its schema is not known";
+    if (stamp->number != kSchemaNumber) return "its schema is not known";
     // Reads only the columns that each start needs: checking the whole file takes too long.
     const Connection copy(folder / kCopyName, Access::kWrite);
     NumberOf(copy, "SELECT count(id) + max(updated_at_us) FROM sites");
@@ -169,7 +211,7 @@ void MarkCopy(const std::filesystem::path& folder, const std::string& why) {
 }
 
 SetAside SetAsideWhenDamaged(const std::filesystem::path& folder) {
-  RefuseNewer(folder);
+  RefuseOther(folder);
   SetAside aside = ReadSetAside(folder);
   const std::optional<std::string> why = WhyDamaged(folder);
   const std::optional<std::string> why_copy =

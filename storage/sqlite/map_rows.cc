@@ -149,7 +149,7 @@ std::optional<std::string> ReadTileRow(const Connection& connection,
   return statement.Text(0);
 }
 
-BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const BoundingBox& box) {
+BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
   Statement statement = SelectMaps(connection,
                                    "WHERE is_in_force = 1 AND south_deg <= ?4 AND north_deg >= ?2 "
                                    "AND CASE WHEN west_deg <= east_deg "
@@ -162,37 +162,6 @@ BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const Bou
     rows.push_back({map.box, std::make_shared<const MapRow>(RowOf(map))});
   }
   return rows;
-}
-
-void ForgetUnknownTimesOfMaps(const Connection& writer) {
-  std::vector<FlightMapRow> maps;
-  {
-    Statement statement = SelectMaps(writer, "WHERE seen_at_us = updated_at_us");
-    while (statement.Step()) maps.push_back(MapRowOf(statement));
-  }
-  for (FlightMapRow& map : maps) {
-    map.seen_at_us = 0;
-    map.seen_until_us = map.updated_at_us;
-    writer
-        .Prepare("UPDATE maps SET seen_at_us = 0, seen_until_us = ?2, checksum = ?3 WHERE id = ?1")
-        .Bind(map.id, map.updated_at_us, ChecksumOf(map))
-        .Run();
-  }
-}
-
-void MendMapBoxes(const Connection& writer) {
-  std::vector<FlightMapRow> wide;
-  {
-    Statement statement = SelectMaps(
-        writer, "WHERE east_deg - west_deg > 180 AND south_deg > -89.9 AND north_deg < 89.9");
-    while (statement.Step()) wide.push_back(MapRowOf(statement));
-  }
-  for (FlightMapRow& map : wide) {
-    map.box = Mended(map.box);
-    writer.Prepare("UPDATE maps SET west_deg = ?2, east_deg = ?3, checksum = ?4 WHERE id = ?1")
-        .Bind(map.id, map.box.west_deg, map.box.east_deg, ChecksumOf(map))
-        .Run();
-  }
 }
 
 bool IsImageNeeded(const Connection& connection, const std::string& sha256) {

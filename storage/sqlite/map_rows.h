@@ -33,11 +33,7 @@ std::optional<std::string> ReadTileRow(const Connection& connection,
                                        const std::string& map_id,
                                        const TileKey& key);
 // The box must not cross the antimeridian.
-BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const BoundingBox& box);
-// Of maps whose time was unknown and which older programs gave the time of their evaluation.
-void ForgetUnknownTimesOfMaps(const Connection& writer);
-// Mends boxes that older programs stored for maps across the antimeridian.
-void MendMapBoxes(const Connection& writer);
+BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 // Image files of the photo tiles of these maps that neither a frame nor another map needs.
 std::vector<std::string> OwnPhotoFiles(const Connection& connection,
                                        const std::vector<std::string>& map_ids);

@@ -6,7 +6,7 @@
 namespace freelsd {
 namespace {
 
-constexpr char kSelect[] =
+constexpr char kSelectObstacles[] =
     "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, expires_at_us, "
     "updated_at_us, checksum FROM obstacles ";
 
@@ -67,7 +67,8 @@ std::optional<int64_t> FindObstacleStamp(const Connection& connection, const std
 }
 
 std::optional<ObstacleRow> FindObstacleRow(const Connection& connection, const std::string& id) {
-  Statement statement = connection.Prepare((std::string(kSelect) + "WHERE id = ?1").c_str());
+  Statement statement =
+      connection.Prepare((std::string(kSelectObstacles) + "WHERE id = ?1").c_str());
   statement.Bind(id);
   if (!statement.Step()) return std::nullopt;
   return RowOf(statement);
@@ -78,7 +79,7 @@ void DeleteExpiredObstacleRows(const Connection& writer, int64_t now_us) {
 }
 
 std::vector<ObstacleRow> ListObstacleRows(const Connection& connection) {
-  Statement statement = connection.Prepare((std::string(kSelect) + "ORDER BY id").c_str());
+  Statement statement = connection.Prepare((std::string(kSelectObstacles) + "ORDER BY id").c_str());
   std::vector<ObstacleRow> obstacles;
   while (statement.Step()) obstacles.push_back(RowOf(statement));
   return obstacles;

@@ -1,5 +1,5 @@
--- All durable data except the image files. This is user_version 9; application_id holds the version
--- too (migrations.h). migrations.cc migrates older versions.
+-- All durable data except the image files. schema.h has the number of this schema, which user_version
+-- and application_id hold: it rises with each change here. Folders of another number are refused.
 -- A second file, recall.db, has the same schema and holds a second copy of the tables of sites,
 -- obstacles and maps. It is read if this file is damaged.
 -- Times are microseconds since 1970 (UTC). Storage does not parse the text of JSON columns.
@@ -15,7 +15,7 @@ CREATE TABLE flights (
   num_rejected_frames INTEGER NOT NULL,      -- refused images of batches and streams; they have no row
   has_failed INTEGER NOT NULL,               -- 1: the engine failed on this flight; see warnings
   ground_altitude_m REAL,                    -- of the ground below the first frame, flight's datum; NULL: unknown
-  has_retired_images INTEGER NOT NULL DEFAULT 0  -- 1: its images were removed to free disk space
+  has_retired_images INTEGER NOT NULL        -- 1: its images were removed to free disk space
 ) STRICT;
 
 CREATE TABLE frames (
@@ -27,9 +27,9 @@ CREATE TABLE frames (
   state INTEGER NOT NULL,                    -- 0 queued, 1 processed, 2 rejected by the frontend
   reason TEXT NOT NULL,                      -- why rejected, or a note; '' for none
   is_from_batch INTEGER NOT NULL,            -- 1: does not count against the limit of the frame queue
-  tags_json TEXT NOT NULL DEFAULT '{}',      -- the same keys, from the image's own tags
-  resolved_json TEXT NOT NULL DEFAULT '',    -- the same keys, as the engine uses them; '' until settled
-  arrived_at_us INTEGER NOT NULL DEFAULT 0,  -- as in telemetry
+  tags_json TEXT NOT NULL,                   -- the same keys, from the image's own tags
+  resolved_json TEXT NOT NULL,               -- the same keys, as the engine uses them; '' until settled
+  arrived_at_us INTEGER NOT NULL,            -- as in telemetry
   PRIMARY KEY (flight_id, id)
 ) STRICT, WITHOUT ROWID;
 CREATE UNIQUE INDEX frames_by_sequence ON frames (flight_id, sequence);
@@ -47,7 +47,7 @@ CREATE TABLE telemetry (
   value_1 REAL NOT NULL,                     -- longitude_deg | x | north_mps
   value_2 REAL NOT NULL,                     -- altitude_m | y | deviation of the wind, mps; 0 unknown
   value_3 REAL NOT NULL,                     -- datum: 0 not told, 1 amsl, 2 ellipsoid | z | source: 0 not told, 1 autopilot, 2 drift
-  arrived_at_us INTEGER NOT NULL DEFAULT 0,  -- when the server received it; <= 0: unknown, an order only
+  arrived_at_us INTEGER NOT NULL,            -- when the server received it
   PRIMARY KEY (flight_id, kind, timestamp_us)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX telemetry_by_arrival ON telemetry (flight_id, kind, arrived_at_us);
@@ -86,16 +86,16 @@ CREATE TABLE sites (
   approach_json TEXT NOT NULL,               -- FeatureCollection; '' where there is no approach
   replan_json TEXT NOT NULL,                 -- region, aircraft, origin, datum
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
-  checksum INTEGER,                          -- of the row; NULL: not computed
+  checksum INTEGER,                          -- of the row; NULL: not computed, in a bench that writes rows itself
   superseded_by TEXT,                        -- id of the site on whose later map the stored plan fails, else of the flight
-  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground of its map was last photographed, microseconds since 1970; 0: unknown
+  seen_at_us INTEGER NOT NULL,               -- when the ground of its map was last photographed, microseconds since 1970; 0: unknown
   superseded_at_us INTEGER,                  -- when the ground of superseded_by was photographed; NULL: not superseded, or order unknown
   superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none; if superseded_by is NULL: a doubt
   superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
   is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
-  map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
-  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map if it is one of maps; of a doubt also the site whose map it is
+  map_id TEXT NOT NULL,                      -- of maps; '': nothing was reconstructed
+  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, or the one that doubts; '' for none
   seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
 ) STRICT;
 CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
@@ -105,12 +105,6 @@ CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS
 CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 CREATE INDEX sites_by_flight ON sites (flight_id);
 CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
-
--- The site's own map. Older programs stored one for each site.
-CREATE TABLE site_maps (
-  site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
-  map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
-) STRICT;
 
 -- The columns of a site that emergency recall reads, by number: an R*Tree needs integer keys.
 CREATE TABLE site_numbers (
@@ -122,7 +116,7 @@ CREATE TABLE site_numbers (
   altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'; also of the map
   score REAL NOT NULL,                       -- 0..1, when the site was stored
   aircraft_json TEXT NOT NULL,               -- the aircraft for which the site was planned
-  checksum INTEGER                           -- of the row and the site's position; NULL: not computed
+  checksum INTEGER                           -- of the row and the site's position; NULL: not computed, in a bench that writes rows itself
 ) STRICT;
 CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
 CREATE INDEX site_numbers_by_aircraft ON site_numbers (aircraft_json) WHERE is_recallable = 1;

@@ -4,7 +4,6 @@
 
 #include "storage/boxes.h"
 #include "storage/sqlite/checksum.h"
-#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/storage_error.h"
 
@@ -15,8 +14,7 @@ constexpr BoundingBox kWholeEarth{-180.0, -90.0, 180.0, 90.0};
 
 int64_t ChecksumOf(const SiteRow& site) {
   Checksum checksum;
-  // Rows of older programs have no map's id.
-  if (!site.map_id.empty()) checksum.Add(site.map_id);
+  checksum.Add(site.map_id);
   if (site.seen_until_us) checksum.Add(*site.seen_until_us);
   return checksum.Add(site.id)
       .Add(site.flight_id)
@@ -33,7 +31,7 @@ int64_t ChecksumOf(const SiteRow& site) {
 
 int64_t ChecksumOf(const RecallRow& row) {
   Checksum checksum;
-  if (!row.map_id.empty()) checksum.Add(row.map_id);
+  checksum.Add(row.map_id);
   if (row.seen_until_us) checksum.Add(*row.seen_until_us);
   return checksum.Add(row.site_id)
       .Add(row.latitude_deg)
@@ -48,7 +46,7 @@ int64_t ChecksumOf(const RecallRow& row) {
       .value();
 }
 
-// A row without a checksum comes from an older version and is not checked.
+// A row without a checksum is not checked: a bench that writes rows itself computes none.
 template <typename Row>
 Row Checked(const Row& row, const Statement& statement, int column) {
   const std::optional<int64_t> stored = statement.OptionalInt(column);
@@ -58,7 +56,7 @@ Row Checked(const Row& row, const Statement& statement, int column) {
   return row;
 }
 
-SiteRow RowOf(const Statement& statement) {
+SiteRow SiteRowOf(const Statement& statement) {
   SiteRow site;
   site.id = statement.Text(0);
   site.flight_id = statement.Text(1);
@@ -187,24 +185,17 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
 
 }  // namespace
 
-void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob) {
+void PutSiteRows(const Connection& writer, const SiteRow& site) {
   PutSiteRow(writer, site);
   PutStandings(writer, {{site.id, site}});
   PutRecall(writer, site);
   PutBox(writer, site);
-  if (map_blob.empty()) {
-    writer.Prepare("DELETE FROM site_maps WHERE site_id = ?1").Bind(site.id).Run();
-  } else {
-    writer.Prepare("INSERT OR REPLACE INTO site_maps VALUES (?1, ?2)")
-        .Bind(site.id, Blob{map_blob})
-        .Run();
-  }
 }
 
 std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id) {
   Statement statement = SelectSites(connection, "WHERE id = ?1");
   if (!statement.Bind(site_id).Step()) return std::nullopt;
-  return RowOf(statement);
+  return SiteRowOf(statement);
 }
 
 std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std::string& site_id) {
@@ -241,14 +232,8 @@ std::vector<SiteRow> ListSiteRows(const Connection& connection,
                  wanted.north_deg,
                  wanted.east_deg);
   std::vector<SiteRow> sites;
-  while (statement.Step()) sites.push_back(RowOf(statement));
+  while (statement.Step()) sites.push_back(SiteRowOf(statement));
   return sites;
-}
-
-std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id) {
-  Statement statement = connection.Prepare("SELECT map FROM site_maps WHERE site_id = ?1");
-  if (!statement.Bind(site_id).Step()) return std::nullopt;
-  return statement.Text(0);
 }
 
 void ForEachMeeting(const Connection& connection,
@@ -286,27 +271,6 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   return rows;
 }
 
-BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
-  BoxCache<MapRow>::Rows rows = ListFlightMapRows(connection, box);
-  ForEachMeeting(
-      connection,
-      "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, west_deg, south_deg, "
-      "east_deg, north_deg, seen_until_us FROM site_boxes JOIN site_numbers USING (number) "
-      "JOIN sites ON sites.id = site_id WHERE map_id = '' AND",
-      box,
-      [&rows](const Statement& statement) {
-        rows.push_back({BoxOf(statement, 5),
-                        std::make_shared<const MapRow>(MapRow{statement.Text(0),
-                                                              statement.Text(1),
-                                                              statement.Int(2),
-                                                              statement.Text(3),
-                                                              statement.Int(4),
-                                                              false,
-                                                              statement.OptionalInt(9)})});
-      });
-  return rows;
-}
-
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
   writer
       .Prepare(
@@ -318,34 +282,9 @@ bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
   return writer.NumChanges() > 0;
 }
 
-void MendSiteBoxes(const Connection& writer) {
-  std::map<int64_t, BoundingBox> mended;
-  {
-    Statement wrong = writer.Prepare(
-        "SELECT number, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
-        "WHERE west_deg < -180 OR (west_deg < 0 AND east_deg > 90 AND east_deg <= 180 AND "
-        "east_deg - west_deg > 180 AND south_deg > -89.9 AND north_deg < 89.9)");
-    while (wrong.Step()) {
-      BoundingBox& box = mended[wrong.Int(0)] = BoxOf(wrong, 1);
-      if (box.west_deg < -180.0) {
-        // A migration widened a touchdown across the antimeridian.
-        box.west_deg += 360.0;
-        box.east_deg += 360.0;
-      } else {
-        box = Unrolled(Mended(box));
-      }
-    }
-  }
-  for (const auto& [number, box] : mended) {
-    writer.Prepare("UPDATE site_boxes SET west_deg = ?2, east_deg = ?3 WHERE number = ?1")
-        .Bind(number, box.west_deg, box.east_deg)
-        .Run();
-  }
-}
-
 void CheckSiteRows(const Connection& connection) {
   Statement sites = SelectSites(connection, "");
-  while (sites.Step()) RowOf(sites);
+  while (sites.Step()) SiteRowOf(sites);
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "

@@ -4,7 +4,6 @@
 #include <functional>
 #include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "storage/box_cache.h"
@@ -13,8 +12,8 @@
 
 namespace freelsd {
 
-// Writes the rows of one site and its map to one database, within the caller's transaction.
-void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob);
+// Writes the rows of one site to one database, within the caller's transaction.
+void PutSiteRows(const Connection& writer, const SiteRow& site);
 
 // Rows have neither recall nor map_box. Throws StorageError kDamaged if a checksum is wrong.
 std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id);
@@ -23,23 +22,18 @@ std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std:
 std::vector<SiteRow> ListSiteRows(const Connection& connection,
                                   const std::optional<std::string>& flight_id,
                                   const std::optional<BoundingBox>& box);
-std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id);
 // Calls `visit` for each row whose box in site_boxes meets `box`, which may cross the antimeridian.
 // `select` ends with conditions and AND.
 void ForEachMeeting(const Connection& connection,
                     const std::string& select,
                     const BoundingBox& box,
                     const std::function<void(const Statement&)>& visit);
-// In ListRecallRows and ListMapRows, the box must not cross the antimeridian.
+// The box must not cross the antimeridian.
 BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
-BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 
 // Also deletes the site's R*Tree row, because an R*Tree has no foreign keys. True if the site
 // existed.
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
-
-// Mends boxes that older programs stored for maps across the antimeridian.
-void MendSiteBoxes(const Connection& writer);
 
 // Reads all rows once. Throws StorageError kDamaged if a checksum is wrong or a site has no box.
 void CheckSiteRows(const Connection& connection);

@@ -29,14 +29,6 @@ class SqliteSiteTurn final : public SiteTurn {
  public:
   explicit SqliteSiteTurn(StorageState& state) : state_(state), turn_(state.turns_mutex) {}
 
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override {
-    const auto lock = state_.LockForWriting();
-    state_.WriteSites([&](const Connection& connection) {
-      PutSiteRows(connection, site, map_blob);
-      PutStandings(connection, others);
-    });
-    turn_.unlock();
-  }
   void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
   bool Delete(const std::string& site_id, const Standings& others) override;
   void SetStandings(const Standings& standings) override {
@@ -58,9 +50,7 @@ void SqliteSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& 
     for (const std::string& id : rows.forgotten_sites) DeleteSiteRows(connection, id);
     for (const std::string& id : rows.forgotten_maps) DeleteMapRow(connection, id);
     for (const std::string& id : rows.new_maps) PutMapInForce(connection, id);
-    for (const SiteRow& site : rows.sites) {
-      PutSiteRows(connection, site, OwnMapIn(rows, site.id));
-    }
+    for (const SiteRow& site : rows.sites) PutSiteRows(connection, site);
     PutStandings(connection, others);
     SetSitesUnknownAbove(connection, rows.sites_unknown_above);
     if (!rows.deleted_flight) return;
@@ -127,11 +117,6 @@ std::vector<SiteRow> SqliteSiteStore::List(const std::optional<std::string>& fli
       [&](const Connection& connection) { return ListSiteRows(connection, flight_id, box); });
 }
 
-std::optional<std::string> SqliteSiteStore::ReadMap(const std::string& site_id) const {
-  return state_.FindOfSite(
-      [&](const Connection& connection) { return ReadMapBlob(connection, site_id); });
-}
-
 RecallBounds SqliteSiteStore::BoundsOfRecallable() const {
   const uint64_t version = state_.sites_version;
   {
@@ -188,10 +173,8 @@ int64_t SqliteSiteStore::CountOverruled(const BoundingBox& box) const {
 
 std::vector<std::string> SqliteSiteStore::ListDependents(const std::string& site_id) const {
   return state_.ReadSites([&](const Connection& connection) {
-    Statement statement = connection.Prepare(
-        "SELECT id FROM sites WHERE superseded_by = ?1 UNION SELECT id FROM sites "
-        "WHERE superseded_by_map <> '' AND superseded_by_map = ?1 UNION SELECT id FROM sites "
-        "WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = ?1) ORDER BY id");
+    Statement statement =
+        connection.Prepare("SELECT id FROM sites WHERE superseded_by = ?1 ORDER BY id");
     return IdsOf(statement.Bind(site_id));
   });
 }

@@ -5,8 +5,8 @@
 
 #include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/map_rows.h"
-#include "storage/sqlite/migrations.h"
 #include "storage/sqlite/obstacle_rows.h"
+#include "storage/sqlite/schema.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/storage_error.h"
 
@@ -25,55 +25,24 @@ std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
   return folder;
 }
 
-// Foreign keys are off while it lives. Must not begin or end within a transaction.
-class WithoutForeignKeys {
- public:
-  explicit WithoutForeignKeys(const Connection& connection) : connection_(connection) {
-    connection_.Execute("PRAGMA foreign_keys = OFF");
-  }
-  ~WithoutForeignKeys() {
-    try {
-      connection_.Execute("PRAGMA foreign_keys = ON");
-    } catch (const StorageError&) {
-      // The connection is closed: opening the storage has failed.
-    }
-  }
-  WithoutForeignKeys(const WithoutForeignKeys&) = delete;
-  WithoutForeignKeys& operator=(const WithoutForeignKeys&) = delete;
-
- private:
-  const Connection& connection_;
-};
-
-int64_t VersionOf(const Connection& connection) {
+int64_t SchemaNumberOf(const Connection& connection) {
   Statement statement = connection.Prepare("PRAGMA user_version");
   statement.Step();
   return statement.Int(0);
 }
 
-// Creates the schema or migrates an older one, in one transaction. True if it was created.
+// Creates the schema, in one transaction, unless it is there. True if it was created.
 bool OpenSchema(const Connection& writer) {
-  const int64_t version = VersionOf(writer);
-  if (version == kSchemaVersion) return false;
-  if (version < 0 || version > kSchemaVersion) {
-    throw StorageError("open the database",
-                       "its schema has version " + std::to_string(version) +
-                           ", this program supports versions up to " +
-                           std::to_string(kSchemaVersion),
-                       StorageFault::kNewer);
-  }
-  const WithoutForeignKeys without_foreign_keys(writer);
+  const int64_t number = SchemaNumberOf(writer);
+  if (number == kSchemaNumber) return false;
+  if (number != 0) throw OtherSchema("open the database", number, kSchemaNumber);
   Transaction transaction(writer);
-  if (version == 0) {
-    writer.Execute(kSchemaSql);
-  } else {
-    Migrate(writer, version);
-  }
-  writer.Execute(("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaVersion)) +
-                  "; PRAGMA user_version = " + std::to_string(kSchemaVersion))
+  writer.Execute(kSchemaSql);
+  writer.Execute(("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaNumber)) +
+                  "; PRAGMA user_version = " + std::to_string(kSchemaNumber))
                      .c_str());
   transaction.Commit();
-  return version == 0;
+  return true;
 }
 
 // Throws StorageError kDamaged unless `sql` gives "ok".
@@ -98,15 +67,6 @@ void CheckSites(const Connection& connection) {
 void CheckWhole(const Connection& connection) {
   ExpectOk(connection, "PRAGMA quick_check(1)");
   CheckSites(connection);
-}
-
-// What an unfinished evaluation has left, and boxes of older programs.
-void TidyUp(const Connection& writer) {
-  DeleteUnfinishedMaps(writer);
-  Transaction transaction(writer);
-  MendMapBoxes(writer);
-  MendSiteBoxes(writer);
-  transaction.Commit();
 }
 
 // False if the disk is full.
@@ -264,7 +224,7 @@ void StorageState::BringTogether() {
   OpenSchemas();
   for (const Connection* each : {&writer, &copy_writer}) {
     // What is left of them takes room, but no reader sees it.
-    (void)IsThereRoom([each] { On(*each, TidyUp); });
+    (void)IsThereRoom([each] { On(*each, DeleteUnfinishedMaps); });
   }
   if (LastChangeOf(writer) == 0 && !Restore()) return;
   is_copy_whole = IsThereRoom([this] { CatchUp(); });

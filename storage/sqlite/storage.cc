@@ -22,16 +22,11 @@ class SqliteBackend final : public StorageBackend {
             maps_,
             obstacles_,
             claims_,
-            quotas_,
             changes_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kSqlite; }
   std::filesystem::path SpoolFolder() const override { return state_->folder / "spool"; }
   std::optional<std::string> WhyNotWritable() override;
-  std::unique_ptr<StorageBackend> ForOrganisation(const std::string& name) override {
-    throw StorageError("open the storage of " + name, "SQLite has no organisations");
-  }
-  void ShareSites(bool /*is_shared*/) override {}
   void MarkDamaged(const std::string& why) override { state_->MarkDamaged(why); }
   NoticeBoard& notices() override { return state_->notices; }
 
@@ -46,7 +41,6 @@ class SqliteBackend final : public StorageBackend {
   SqliteMapStore maps_{*state_};
   SqliteObstacleStore obstacles_{*state_};
   SqliteClaimStore claims_;
-  SqliteQuotaStore quotas_;
   SqliteChangeStore changes_{*state_};
 };
 

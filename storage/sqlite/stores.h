@@ -124,7 +124,6 @@ class SqliteSiteStore final : public SiteStore {
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const override;
   uint64_t Version() const override;
-  std::optional<std::string> ReadMap(const std::string& site_id) const override;
   std::vector<std::string> ListDependents(const std::string& site_id) const override;
   std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const override;
   std::vector<std::string> ListUnchecked() const override;
@@ -180,15 +179,6 @@ class SqliteObstacleStore final : public ObstacleStore {
   StorageState& state_;
 };
 
-// The database is of one organisation, which has the disk for itself.
-class SqliteQuotaStore final : public QuotaStore {
- public:
-  std::optional<QuotaRefusal> Admit(const Quotas& /*quotas*/,
-                                    const QuotaDemand& /*demand*/) override {
-    return std::nullopt;
-  }
-};
-
 class SqliteChangeStore final : public ChangeStore {
  public:
   explicit SqliteChangeStore(StorageState& state) : state_(state) {}
@@ -218,7 +208,6 @@ class SqliteChangeStore final : public ChangeStore {
 class SqliteClaimStore final : public ClaimStore {
  public:
   bool IsShared() const override { return false; }
-  std::vector<std::string> ListOrganisations() const override { return {kDefaultOrganisation}; }
   std::optional<Claim> ClaimNext() override { return std::nullopt; }
   std::vector<std::string> ListClaimed() const override { return {}; }
   void Release(const std::string& /*flight_id*/) override {}

@@ -1,11 +1,14 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include "api/api.h"
+#include "api/flight_parts.h"
 #include "tests/api/errors.h"
 
 namespace freelsd {
 namespace {
+
+// The preset is one more.
+constexpr int kNumRequestFields = 9;
 
 nlohmann::json FullRequest() {
   return nlohmann::json::parse(R"({
@@ -16,7 +19,8 @@ nlohmann::json FullRequest() {
     "origin": {"latitude_deg": 47.1, "longitude_deg": 8.2, "altitude_m": 500},
     "altitude_datum": "amsl",
     "aircraft": {"profile": "small", "glide_airspeed_mps": 12, "min_area_m2": 400},
-    "options": {"segmentation": {"thresholds": "paper", "blur_sigma_px": 0.5}}})");
+    "options": {"stereo": {"ground_sampling_distance_m": 0.5},
+                "backend": {"max_num_views": 50}}})");
 }
 
 std::string ErrorOfRequest(const nlohmann::json& request) {
@@ -42,8 +46,8 @@ TEST_CASE("flight request: every part arrives") {
   CHECK(request.altitude_datum == "amsl");
   CHECK(request.aircraft.landing_airspeed_mps == 10.0);
   CHECK(request.aircraft.glide_airspeed_mps == 12.0);
-  CHECK(request.options.segmentation.thresholds == SegmentationThresholds::kPaper);
-  CHECK(request.options.segmentation.blur_sigma_px == 0.5);
+  CHECK(request.options.stereo.ground_sampling_distance_m == 0.5);
+  CHECK(request.options.backend.max_num_views == 50);
 }
 
 TEST_CASE("flight request: a name is enough, and nulls are absent") {
@@ -63,16 +67,17 @@ TEST_CASE("flight request: a datum that is settled later stands in the stored re
   CHECK(ParseStoredFlightRequest(request.canonical_json).altitude_datum == "ellipsoid");
 }
 
-TEST_CASE("flight request: the least area of a region is the aircraft's unless it is given") {
-  CHECK(ParseFlightRequest(FullRequest().dump()).options.regions.min_area_m2 == 400.0);
-  nlohmann::json request = FullRequest();
-  request["options"]["regions"] = {{"min_area_m2", 123.0}};
-  CHECK(ParseFlightRequest(request.dump()).options.regions.min_area_m2 == 123.0);
+TEST_CASE("flight request: the least area of a region is the aircraft's unless another is stored") {
+  const FlightRequest request = ParseFlightRequest(FullRequest().dump());
+  CHECK(request.options.regions.min_area_m2 == 400.0);
+  nlohmann::json stored = nlohmann::json::parse(request.canonical_json);
+  stored["options"]["regions"]["min_area_m2"] = 123.0;
+  CHECK(ParseStoredFlightRequest(stored.dump()).options.regions.min_area_m2 == 123.0);
 }
 
 TEST_CASE("flight request: the preset is stored and told again, with what was given beside it") {
   const FlightRequest request = ParseFlightRequest(
-      R"({"name": "x", "options": {"preset": "paper", "wind": {"radius_m": 200}}})");
+      R"({"name": "x", "options": {"preset": "paper", "terrain": {"cell_size_m": 2}}})");
   CHECK(request.options.preset == Preset::kPaper);
   // The paper has no ground roll.
   CHECK(request.aircraft.ground_roll_m == 0.0);
@@ -81,7 +86,7 @@ TEST_CASE("flight request: the preset is stored and told again, with what was gi
   CHECK(stored.aircraft.ground_roll_m == 0.0);
   CHECK(stored.canonical_json == request.canonical_json);
   const nlohmann::json given = GivenOptionsJson(stored);
-  CHECK(given == nlohmann::json::parse(R"({"preset": "paper", "wind": {"radius_m": 200.0}})"));
+  CHECK(given == nlohmann::json::parse(R"({"preset": "paper", "terrain": {"cell_size_m": 2.0}})"));
 }
 
 TEST_CASE("flight request: a ground roll that is given beside the preset stays") {
@@ -93,9 +98,7 @@ TEST_CASE("flight request: a ground roll that is given beside the preset stays")
 TEST_CASE("flight request: without a preset only changed options are told") {
   CHECK(GivenOptionsJson(ParseFlightRequest(R"({"name": "x"})")).empty());
   const FlightRequest request = ParseFlightRequest(FullRequest().dump());
-  CHECK(
-      GivenOptionsJson(request) ==
-      nlohmann::json::parse(R"({"segmentation": {"thresholds": "paper", "blur_sigma_px": 0.5}})"));
+  CHECK(GivenOptionsJson(request) == FullRequest()["options"]);
 }
 
 TEST_CASE("flight request: the canonical form is a fixed point") {
@@ -132,21 +135,41 @@ TEST_CASE("flight request: what is wrong is refused where it is") {
   CHECK(ErrorWith("/altitude_datum", "msl") == "422 InvalidValue /altitude_datum");
   CHECK(ErrorWith("/aircraft/profile", "zeppelin") == "422 InvalidValue /aircraft/profile");
   CHECK(ErrorWith("/aircraft/max_bank_deg", 95) == "422 InvalidValue /aircraft/max_bank_deg");
-  CHECK(ErrorWith("/options/wind", {{"smoothing", 2}}) ==
-        "422 InvalidValue /options/wind/smoothing");
+  CHECK(ErrorWith("/options/backend", {{"max_num_views", 1}}) ==
+        "422 InvalidValue /options/backend/max_num_views");
   CHECK(ErrorWith("/options/preset", "ours") == "422 InvalidValue /options/preset");
   CHECK(ErrorWith("/aircraft/wingspan_m", 2) == "422 UnknownKey /aircraft/wingspan_m");
 }
 
-TEST_CASE("flight: options that this version does not have are refused, but read where stored") {
+TEST_CASE("flight: a field of the engine that is no option of a request is refused by name") {
+  CHECK(ErrorWith("/options/wind", {{"smoothing", 2}}) ==
+        "422 RetiredOption /options/wind/smoothing");
+  CHECK(ErrorWith("/options/terrain", {{"cell_size_m", 2}, {"outlier_sigma", nullptr}}) ==
+        "nothing");
+  CHECK(ErrorWith("/options/wind", {{"radius", 2}}) == "422 UnknownKey /options/wind/radius");
+  CHECK(ErrorWith("/options", 3) == "422 InvalidValue /options");
+  CHECK(ErrorWith("/options/wind", 3) == "422 InvalidValue /options/wind");
+  const nlohmann::json all = OptionsValuesJson(PipelineOptions{});
+  int num_taken = 0;
+  for (const auto& [stage, fields] : all.items()) {
+    for (const auto& [name, value] : fields.items()) {
+      const std::string pointer = "/options/" + stage + "/" + name;
+      const std::string error = ErrorWith(pointer.c_str(), value);
+      num_taken += error == "nothing";
+      CHECK((error == "nothing" || error == "422 RetiredOption " + pointer));
+    }
+  }
+  CHECK(num_taken == kNumRequestFields);
+}
+
+TEST_CASE("flight: a stored request is read with all its options, and refused with unknown ones") {
   nlohmann::json request =
       nlohmann::json::parse(ParseFlightRequest(R"({"name": "x"})").canonical_json);
   request["options"]["approach"]["candidate_spacing_m"] = 7.0;
-  request["options"]["approach"]["gone"] = 1.0;
-  request["options"]["gone_stage"] = {{"gone", 1}};
-  CHECK(ErrorOf([&] { ParseFlightRequest(request.dump()); }).find("UnknownKey") !=
-        std::string::npos);
   CHECK(ParseStoredFlightRequest(request.dump()).options.approach.candidate_spacing_m == 7.0);
+  request["options"]["approach"]["gone"] = 1.0;
+  CHECK(ErrorOf([&] { ParseStoredFlightRequest(request.dump()); }).find("UnknownKey") !=
+        std::string::npos);
 }
 
 TEST_CASE("flight: the preset changes the aircraft only where the request does not") {

@@ -46,8 +46,7 @@ TEST_CASE("options: the table has every field of every stage") {
   VisitStages(options, [&num_stages](const char* stage, const auto& stage_options) {
     ++num_stages;
     size_t num_fields = 0;
-    VisitFields(stage_options,
-                [&num_fields](const char*, const auto&, const char*) { ++num_fields; });
+    VisitFields(stage_options, [&num_fields](const char*, const auto&) { ++num_fields; });
     CAPTURE(std::string(stage));
     // terrain.height_fusion is to compare with, and nothing to land by: only the preset sets it.
     size_t num_withheld = std::string(stage) == "terrain" ? 1 : 0;
@@ -118,12 +117,32 @@ TEST_CASE("options: what is wrong is refused where it is") {
         "422 InvalidValue /options/segmentation/paper_canny_coefficients");
 }
 
-TEST_CASE("options: described with default, unit and help, beside the aircraft profiles") {
-  const nlohmann::json described = OptionsJson();
+TEST_CASE("options: few are described, with default, unit and reason, as the contract does") {
+  nlohmann::json described = OptionsJson();
   const nlohmann::json& field = described["options"]["segmentation"]["ground_sampling_distance_m"];
   CHECK(field["default"] == 0.6);
   CHECK(field["unit"] == "m");
-  CHECK_FALSE(field["help"].get<std::string>().empty());
+  CHECK(described["options"]["preset"]["changes_verdicts"] == true);
+  described["options"].erase("preset");
+  const auto contract = nlohmann::json::parse(OpenApiJson());
+  const nlohmann::json& schemas = contract["components"]["schemas"]["Options"]["properties"];
+  CHECK(schemas.size() == described["options"].size() + 1);
+  for (const auto& [stage, fields] : described["options"].items()) {
+    const nlohmann::json& schema = schemas.at(stage).at("properties");
+    CHECK(schema.size() == fields.size());
+    for (const auto& [name, option] : fields.items()) {
+      CAPTURE(name);
+      CHECK(schema.at(name).at("default") == option["default"]);
+      const bool changes = option["changes_verdicts"];
+      CHECK(schema.at(name).at("description") ==
+            option["help"].get<std::string>() +
+                (changes ? ". Can change a verdict" : ". Changes no verdict"));
+    }
+  }
+}
+
+TEST_CASE("options: the aircraft profiles stand beside them") {
+  const nlohmann::json described = OptionsJson();
   CHECK(described["aircraft_profiles"]["small"]["glide_ratio"] == 7.0);
   CHECK(described["aircraft_profiles"].size() == 3);
 }

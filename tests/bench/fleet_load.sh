@@ -30,7 +30,6 @@ fleet() { "$root/deploy/fleet.sh" "$@" --root "$place/fleet" >>"$place/log" 2>&1
 up() { fleet up --internal-port "$internal" --port $((internal + 443)) --server "$build/server/freelsd-server" "$@"; }
 ask() {
   setpriv --reuid=postgres --regid=postgres --clear-groups env PGPASSFILE="$place/fleet/secrets/database.pass" \
-    PGOPTIONS="-c freelsd.organisation=default" \
     psql -qAtX -h 127.0.0.1 -p "$internal" -U postgres -d freelsd -v ON_ERROR_STOP=1 "$@"
 }
 api() { curl -fsS -H @- "${@:2}" "http://127.0.0.1:$((internal + 1))$1" <<<"Authorization: Bearer $(cat "$place/fleet/secrets/token")"; }

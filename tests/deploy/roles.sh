@@ -85,7 +85,7 @@ mkdir "$work/few"
 cp "$photos"/frame_000[1-3].jpg "$photos/flight.json" "$photos/poses.csv" "$work/few"
 control api submit "$work/few" --no-wait
 deadly="$(curl -fsS "${url[api]}/v1/flights" | jq -r '.flights[0].id')"
-ask_database "INSERT INTO claims (flight_id, num_lost, organisation) VALUES ('$deadly', 3, 'default')"
+ask_database "INSERT INTO claims (flight_id, num_lost) VALUES ('$deadly', 3)"
 start_role one worker
 token="$(await_claim "$killed" 0)"
 sleep 4

@@ -19,8 +19,8 @@ struct CampaignOptions {
   // Worlds at once. Each needs the memory of a world, and its engine has one thread.
   int num_jobs = 1;
   ScenarioOptions scenario;
-  // Options of the engine, as a flight's `options` has them; the others are the defaults, or those
-  // of the preset.
+  // Options of the engine, {preset: name, stage: {field: value}} with any field of any stage; the
+  // others are the defaults, or those of the preset.
   nlohmann::json engine_options = nlohmann::json::object();
   // Report to write after every world; "" for none.
   std::string json;

@@ -142,7 +142,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       [&campaign](const std::string& path) {
         campaign.engine_options = Json::parse(ReadTextFile(path));
       },
-      "JSON file with options of the engine, as a flight's `options` has them");
+      "JSON file with options of the engine: {preset: name, stage: {field: value}}");
   std::vector<std::string> blindings = BlindingNames();
   blindings.emplace_back("each");
   app.add_option("--blind",

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs all measurements and prints them as one document. A seeded world takes half a minute of one
+# Runs all measurements and prints one page of them. A seeded world takes half a minute of one
 # core; the other parts take about 45 minutes together.
 #
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
@@ -7,12 +7,14 @@
 #
 # Parts: world worlds textured ground places look noise2 damage frames flights survey bench peers growth. The
 # default is all parts. `world` is the table of world.sh; worlds, textured and ground print the reports behind it.
-# build/reports keeps each part with the revision that made it. The document contains all kept
-# parts and marks those of an older revision. build/reports also holds the reports of the worlds, so
-# an interrupted run continues. Reports made elsewhere (other seeds, --merge) may be put there.
+# build/reports, which is not committed, keeps the whole report of each part, PART.md, with the revision
+# that made it. The page has what it shows of all kept parts and marks those of an older revision.
+# build/reports also holds the reports of the worlds, so an interrupted run continues. Reports made
+# elsewhere (other seeds, --merge) may be put there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
+page_parts=(world bench growth peers)
 all_parts=(world worlds textured ground places look noise2 damage frames flights survey bench peers growth)
 num_worlds="${1:-24}"
 num_in_noise="${2:-24}"
@@ -104,8 +106,12 @@ make() {
   esac
 }
 
-# Prints a part. A section of an older revision gets a mark below its heading.
-print_part() {
+# The part's report as the page has it: of many tables of the world the first ones and that of its costs.
+shorten() {
+  awk '/^### / { is_left_out = !/^### (The table|Causes|Heights)$/ } !is_left_out' "$reports/$1.md"
+}
+# Copies a report. A section of an older revision gets a mark below its heading.
+mark_age() {
   local line revision num_commits
   while IFS= read -r line; do
     printf '%s\n' "$line"
@@ -116,7 +122,7 @@ print_part() {
         printf '\n**Older revision.** Later commits that change `engine/`: %s.\n' "$num_commits"
       fi
     fi
-  done <"$1"
+  done
 }
 
 for part in "${parts[@]}"; do
@@ -126,12 +132,13 @@ done
 cat <<TEXT
 # What freelsd achieves
 
-\`tests/evaluation/results.sh\` writes this document; do not edit it by hand. It was written at revision
-$(git rev-parse --short HEAD). A section of an older revision is marked; its figures may differ today.
+\`tests/evaluation/results.sh\` writes this page; do not edit it by hand. It was written at revision
+$(git rev-parse --short HEAD). A section of an older revision is marked; its figures may differ today. The whole reports are
+in \`build/reports\` after a run.
 
 The [protocol](README.md) explains the figures. The [decision records](decisions/README.md) say what was
 tried. [grass_model.md](../../engine/classification/grass_model.md) has the scores of the classifier.
 TEXT
-for part in "${all_parts[@]}"; do
-  if [ -f "$reports/$part.md" ]; then print_part "$reports/$part.md"; fi
-done
+for part in "${page_parts[@]}"; do
+  if [ -f "$reports/$part.md" ]; then shorten "$part" | mark_age; fi
+done | cat -s

@@ -74,6 +74,8 @@ def flight_request(info):
     """One with every number that there is."""
     options = {}
     for stage, fields in info["options"].items():
+        if stage == "preset":
+            continue
         options[stage] = {name: field["default"] for name, field in fields.items()
                           if field["default"] is not None}
     aircraft = {key: value for key, value in info["aircraft_profiles"]["techpod"].items()

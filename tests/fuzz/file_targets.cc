@@ -79,11 +79,6 @@ void FuzzModel(std::string_view bytes) {
   Classifier::Parse(model.Serialize());
 }
 
-void FuzzSiteMap(std::string_view bytes) {
-  const SiteMap site_map = DeserializeSiteMap(std::string(bytes));
-  DeserializeSiteMap(SerializeSiteMap(site_map));
-}
-
 void FuzzPhotoTile(std::string_view bytes) { DeserializePhotoTile(std::string(bytes)); }
 
 void FuzzMapTile(std::string_view bytes) {

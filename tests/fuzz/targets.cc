@@ -33,7 +33,6 @@ const std::vector<FuzzTarget>& FuzzTargets() {
                                                 {"image_decoding", FuzzImageDecoding, 20000},
                                                 {"zip", FuzzZip, 20000},
                                                 {"model", FuzzModel, 0},
-                                                {"site_map", FuzzSiteMap, 20000},
                                                 {"map_tile", FuzzMapTile, 20000},
                                                 {"photo_tile", FuzzPhotoTile, 20000}};
   return kTargets;

@@ -37,7 +37,6 @@ void FuzzImageTags(std::string_view bytes);
 void FuzzImageDecoding(std::string_view bytes);
 void FuzzZip(std::string_view bytes);
 void FuzzModel(std::string_view bytes);
-void FuzzSiteMap(std::string_view bytes);
 void FuzzMapTile(std::string_view bytes);
 void FuzzPhotoTile(std::string_view bytes);
 

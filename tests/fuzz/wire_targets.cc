@@ -59,7 +59,8 @@ void FuzzJsonBodies(std::string_view bytes) {
     ParseAircraft(ParseJson(text), "/aircraft").Check();
   } else {
     const FlightRequest request = ParseFlightRequest(text);
-    Demand(ParseFlightRequest(request.canonical_json).canonical_json == request.canonical_json);
+    Demand(ParseStoredFlightRequest(request.canonical_json).canonical_json ==
+           request.canonical_json);
   }
 }
 

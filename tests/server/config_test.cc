@@ -124,17 +124,6 @@ TEST_CASE("config: a role is for a PostgreSQL database, by command line or by fi
   CHECK(Read({"--config", file.c_str()})->role == Role::kWorker);
 }
 
-TEST_CASE("config: strips are watched only where the file says so") {
-  const TemporaryFolder folder;
-  const std::string file = folder.path() / "config.json";
-  CHECK_FALSE(Read({"--data", "/tmp/x"})->watches_strips);
-  std::ofstream(file) << R"({"data": "/tmp/y", "watches_strips": true})";
-  CHECK(Read({"--config", file.c_str()})->watches_strips);
-  std::ofstream(file) << R"({"data": "/tmp/y", "watches_strips": 1})";
-  CHECK_THROWS_WITH_AS(
-      Read({"--config", file.c_str()}), doctest::Contains("watches_strips"), ConfigError);
-}
-
 TEST_CASE("config: an address that is not loopback is refused without a token") {
   for (const char* listen : {"0.0.0.0:80", "[::]:80", "192.168.1.2:80"}) {
     CHECK_THROWS_WITH_AS(

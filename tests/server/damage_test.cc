@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/server/meadow.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -16,7 +17,7 @@ constexpr char kQuery[] =
 
 void StoreMeadow(const std::filesystem::path& folder) {
   Storage storage(StorageAt(folder));
-  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
+  PutOnMap(storage, MeadowSite("amsl"), Meadow());
 }
 
 // Bits turned, pages lost, or the end cut off.

@@ -1,5 +1,9 @@
 #include "tests/server/meadow.h"
 
+#include <algorithm>
+
+#include "tests/server/site_on_map.h"
+
 namespace freelsd {
 
 SiteMap Meadow() {
@@ -61,7 +65,8 @@ MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
                            const std::function<void(Config&)>& change) {
   {
     Storage storage(StorageAt(folder.path() / "data"));
-    storage.sites.Put(MeadowSite(), SerializeSiteMap(Meadow()));
+    PutOnMap(storage, MeadowSite(), Meadow());
+    const std::string map_id = storage.sites.Find("f-r1")->map_id;
     SiteRow bare = MeadowSite();
     bare.id = std::string("f-r2");
     bare.longitude_deg = 9.0;
@@ -69,8 +74,13 @@ MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
                         R"("properties":{"id":"f-r2","verdict":"rejected","score":0.1}})";
     bare.recall.reset();
     bare.map_box.reset();
-    storage.sites.Put(bare, "");
+    PutWithoutMap(storage, bare);
     if (fill) fill(storage);
+    // A map that `fill` has replaced shows nothing any more.
+    const std::vector<SiteRow> sites = storage.sites.List("f", std::nullopt);
+    const bool is_needed = std::any_of(
+        sites.begin(), sites.end(), [&](const SiteRow& site) { return site.map_id == map_id; });
+    if (!is_needed) storage.sites.PutEvaluation({{}, {}, {}, {map_id}}, {});
   }
   Config config = TestConfig(folder.path() / "data");
   if (change) change(config);

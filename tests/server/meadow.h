@@ -19,7 +19,7 @@ SiteRow MeadowSite(const std::string& altitude_datum = "unknown", double north_m
 // Of a site whose final is blocked on the map of that site.
 Standing SupersededBy(const std::string& site_id);
 
-// A server whose folder already holds the meadow, and a site that never had a map.
+// A server whose folder already holds the meadow, and a site without a map.
 struct MeadowServer {
   TemporaryFolder folder;
   std::unique_ptr<TestServer> server;

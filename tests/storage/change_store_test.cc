@@ -39,11 +39,11 @@ using Texts = std::vector<std::string>;
 TEST_CASE("changes: each subject has one row with its last change, in the order of the commits") {
   const StoragePlace place;
   Storage storage(place.options());
-  storage.sites.Put(StampedSite("a", 8.0, 1), {});
-  storage.sites.Put(StampedSite("b", 8.0, 1), {});
+  PutSite(storage, StampedSite("a", 8.0, 1));
+  PutSite(storage, StampedSite("b", 8.0, 1));
   CHECK(TextsAfter(storage, 0) == Texts{"a 0", "b 0"});
   const int64_t second = storage.changes.LastNumber();
-  storage.sites.Put(StampedSite("a", 8.0, 2), {});
+  PutSite(storage, StampedSite("a", 8.0, 2));
   CHECK(TextsAfter(storage, 0) == Texts{"b 0", "a 1"});
   CHECK(TextsAfter(storage, second) == Texts{"a 1"});
   Standing superseded;
@@ -62,7 +62,7 @@ TEST_CASE("changes: each subject has one row with its last change, in the order 
   const auto removed = storage.changes.Find({ChangeSubject::kSite, "b"});
   REQUIRE(removed);
   CHECK(removed->stamp_us == 1);
-  storage.sites.Put(StampedSite("b", 8.0, 3), {});
+  PutSite(storage, StampedSite("b", 8.0, 3));
   CHECK(TextsAfter(storage, fourth) == Texts{"b 0"});
 }
 
@@ -110,12 +110,12 @@ TEST_CASE("changes: pages end at their limit and go on where they ended") {
 TEST_CASE("changes: an area has what is in it and what has left it") {
   const StoragePlace place;
   Storage storage(place.options());
-  storage.sites.Put(StampedSite("inside", 8.0, 1), {});
-  storage.sites.Put(StampedSite("outside", 9.0, 1), {});
+  PutSite(storage, StampedSite("inside", 8.0, 1));
+  PutSite(storage, StampedSite("outside", 9.0, 1));
   storage.obstacles.Put({Wire("around", {8.15, 47.0, 8.2, 47.0}), Wire("far")}, kNowUs);
   const ChangeArea area{{7.9, 46.9, 8.1, 47.1}, {7.8, 46.8, 8.2, 47.2}};
   CHECK(TextsAfter(storage, 0, area) == Texts{"inside 0", "around 0"});
-  storage.sites.Put(StampedSite("inside", 8.5, 2), {});
+  PutSite(storage, StampedSite("inside", 8.5, 2));
   CHECK(TextsAfter(storage, 0, area) == Texts{"around 0", "inside 1"});
   const ChangeArea across{{170.0, 46.0, 8.01, 48.0}, {170.0, 46.0, 8.01, 48.0}};
   CHECK(TextsAfter(storage, 0, across) == Texts{"far 0", "inside 1"});
@@ -178,7 +178,7 @@ TEST_CASE("changes: a whole site has what recall reads") {
   SiteRow site = StampedSite("a", 8.0, 1);
   site.recall = RecallData{true, 400.0, "amsl", 0.5, R"({"b":2})"};
   site.map_box = BoundingBox{7.75, 46.75, 8.25, 47.25};
-  storage.sites.Put(site, "map");
+  PutSite(storage, site);
   const auto whole = storage.sites.FindWhole("a");
   REQUIRE(whole);
   REQUIRE(whole->recall);
@@ -193,7 +193,7 @@ TEST_CASE("changes: a whole site has what recall reads") {
 TEST_CASE("changes: a follower knows what the followed server does not know") {
   const TemporaryFolder folder;
   Storage storage(folder.path());
-  storage.sites.Put(StampedSite("own", 8.0, 1), {});
+  PutSite(storage, StampedSite("own", 8.0, 1));
   EvaluationRows rows;
   rows.sites = {StampedSite("told", 8.0, 1)};
   rows.is_from_above = true;
@@ -203,7 +203,7 @@ TEST_CASE("changes: a follower knows what the followed server does not know") {
   REQUIRE(unknown.size() == 1);
   CHECK(unknown[0].key.id == "own");
   // Changed meanwhile: what was sent is not what is here.
-  storage.sites.Put(StampedSite("own", 8.0, 2), {});
+  PutSite(storage, StampedSite("own", 8.0, 2));
   storage.changes.SetKnownAbove(unknown);
   unknown = storage.changes.ListUnknownAbove(10);
   REQUIRE(unknown.size() == 1);

@@ -25,7 +25,7 @@ TEST_CASE(
   storage.images.Write(kOtherImage, "own");
   storage.frames.Insert("f", {SomeFrame("f", "one"), own}, SomeJob("j", "f"));
   storage.frames.Insert("g", {SomeFrame("g", "one")});
-  storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+  PutSite(storage, SomeSite("f-r3", 50.0, 8.0));
   CHECK(storage.flights.Delete("f"));
   CHECK_FALSE(storage.flights.Delete("f"));
   CHECK(storage.frames.List("f").empty());
@@ -43,7 +43,7 @@ TEST_CASE("flight store: pages list every flight once, newest first, with its nu
   storage.frames.Insert("b", {SomeFrame("b", "one"), SomeFrame("b", "two")}, SomeJob("j", "b"));
   storage.frames.SetState("b", "one", FrameState::kProcessed, "");
   storage.flights.ReplaceRegions("b", {{7, "{}", "[]"}});
-  storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+  PutSite(storage, SomeSite("f-r3", 50.0, 8.0));
   const FlightPage first = storage.flights.ListPage(2, std::nullopt);
   REQUIRE(first.flights.size() == 2);
   CHECK(first.has_more);
@@ -68,7 +68,7 @@ TEST_CASE(
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
-  storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+  PutSite(storage, SomeSite("f-r3", 50.0, 8.0));
   storage.images.Write(kImage, "of a frame");
   storage.frames.Insert("f", {SomeFrame("f", "one")}, SomeJob("j", "f"));
   EvaluationRows rows;
@@ -78,7 +78,6 @@ TEST_CASE(
   CHECK_FALSE(storage.flights.Find("f"));
   CHECK_FALSE(storage.images.Read(kImage));
   CHECK_FALSE(storage.sites.Find("f-r3"));
-  CHECK_FALSE(storage.sites.ReadMap("f-r3"));
 }
 
 TEST_CASE(

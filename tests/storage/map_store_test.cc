@@ -35,9 +35,8 @@ TEST_CASE("maps: a staged map counts only once an evaluation puts it in force, w
   CHECK_FALSE(storage.maps.ReadTile("f/1", {0, 0, 0}));
   CHECK(storage.maps.FindPhotoTile("f/1", {0, 0, 0}) == "ab");
   const auto rows = storage.sites.ListMaps(kAround);
-  REQUIRE(rows.size() == 1);  // the site has no map of its own
+  REQUIRE(rows.size() == 1);
   CHECK(rows[0]->id == "f/1");
-  CHECK(rows[0]->is_of_flight);
   CHECK(storage.sites.Find("f-r1")->map_id == "f/1");
   CHECK(storage.sites.ListAccepted(kAround) == std::vector<std::string>{"f-r1"});
 }

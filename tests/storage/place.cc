@@ -18,14 +18,18 @@ std::string DatabaseUrl() {
   return url == nullptr ? "" : url;
 }
 
-void ExecuteAt(const std::string& url, const std::string& sql) {
+// The first value of the last statement's rows; empty if it gives none.
+std::string ExecuteAt(const std::string& url, const std::string& sql) {
   PGconn* const connection = PQconnectdb(url.c_str());
   PGresult* const result = PQexec(connection, sql.c_str());
   const ExecStatusType status = PQresultStatus(result);
   const std::string error = PQerrorMessage(connection);
+  std::string value;
+  if (status == PGRES_TUPLES_OK && PQntuples(result) > 0) value = PQgetvalue(result, 0, 0);
   PQclear(result);
   PQfinish(connection);
   if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) throw std::runtime_error(error);
+  return value;
 }
 
 std::string UrlOf(const std::string& schema) {
@@ -103,5 +107,9 @@ StorageOptions StoragePlace::OptionsOfOther() const {
 }
 
 void StoragePlace::Execute(const std::string& sql) const { ExecuteAt(UrlOf(schema_), sql); }
+
+std::string StoragePlace::Content() const {
+  return ExecuteAt(UrlOf(schema_), "SELECT schema_to_xml('" + schema_ + "', true, false, '')");
+}
 
 }  // namespace freelsd

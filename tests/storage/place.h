@@ -30,6 +30,8 @@ class StoragePlace {
   std::filesystem::path images_folder() const { return folder_.path() / "images"; }
   // Runs SQL in the PostgreSQL schema.
   void Execute(const std::string& sql) const;
+  // All tables of the PostgreSQL schema with their columns and rows, as text.
+  std::string Content() const;
 
  private:
   TemporaryFolder folder_;

@@ -48,6 +48,11 @@ inline SiteRow SomeSite(const std::string& id, double latitude_deg, double longi
   return site;
 }
 
+// Without a map.
+inline void PutSite(Storage& storage, const SiteRow& site, const Standings& others = {}) {
+  storage.sites.PutEvaluation({{site}, {}, {}, {}}, others);
+}
+
 inline FlightMapRow SomeMap(const std::string& id, const std::string& flight_id, BoundingBox box) {
   FlightMapRow map;
   map.id = id;

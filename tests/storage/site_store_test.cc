@@ -18,9 +18,9 @@ namespace {
 TEST_CASE("site store: sites are found by box, also across the antimeridian") {
   const StoragePlace place;
   Storage storage(place.options());
-  storage.sites.Put(SomeSite("home", 50.0, 8.0), "");
-  storage.sites.Put(SomeSite("fiji", -17.0, 179.5), "");
-  storage.sites.Put(SomeSite("taveuni", -17.0, -179.9), "");
+  PutSite(storage, SomeSite("home", 50.0, 8.0));
+  PutSite(storage, SomeSite("fiji", -17.0, 179.5));
+  PutSite(storage, SomeSite("taveuni", -17.0, -179.9));
   CHECK(storage.sites.List(std::nullopt, std::nullopt).size() == 3);
   CHECK(storage.sites.List(std::nullopt, BoundingBox{7.0, 49.0, 9.0, 51.0}).size() == 1);
   CHECK(storage.sites.List(std::nullopt, BoundingBox{179.0, -18.0, -179.0, -16.0}).size() == 2);
@@ -33,10 +33,10 @@ TEST_CASE("site store: who wants to change sites waits until a turn has ended") 
   Storage storage(place.options());
   std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   std::future<void> other = std::async(
-      std::launch::async, [&storage] { storage.sites.Put(SomeSite("other", 50.0, 8.0), ""); });
+      std::launch::async, [&storage] { PutSite(storage, SomeSite("other", 50.0, 8.0)); });
   CHECK(other.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout);
   CHECK_FALSE(storage.sites.Find("other"));
-  turn->Put(SomeSite("own", 50.0, 8.0), "", {});
+  turn->PutEvaluation({{SomeSite("own", 50.0, 8.0)}, {}, {}, {}}, {});
   other.get();
   CHECK(storage.sites.Find("own"));
   CHECK(storage.sites.Find("other"));
@@ -47,18 +47,15 @@ TEST_CASE("site store: who wants to change sites waits until a turn has ended") 
   CHECK(storage.sites.Delete("own"));
 }
 
-TEST_CASE("site store: a site put again replaces its map, an empty one removes it") {
+TEST_CASE("site store: a site put again replaces what was stored") {
   const StoragePlace place;
   Storage storage(place.options());
-  storage.sites.Put(SomeSite("s", 50.0, 8.0), "old");
+  PutSite(storage, SomeSite("s", 50.0, 8.0));
   SiteRow site = SomeSite("s", 51.0, 8.0);
   site.approach_json = "{}";
-  storage.sites.Put(site, "new");
-  CHECK(storage.sites.ReadMap("s") == "new");
+  PutSite(storage, site);
   CHECK(storage.sites.Find("s")->latitude_deg == 51.0);
   CHECK(storage.sites.Find("s")->approach_json == "{}");
-  storage.sites.Put(site, "");
-  CHECK_FALSE(storage.sites.ReadMap("s"));
   CHECK(storage.sites.Delete("s"));
   CHECK_FALSE(storage.sites.Delete("s"));
 }
@@ -68,9 +65,9 @@ TEST_CASE("site store: a site put again may lie in another region") {
   const StoragePlace place;
   Storage storage(place.options());
   SiteRow site = SomeSite("s", 50.0, 8.0);
-  storage.sites.Put(site, "");
+  PutSite(storage, site);
   site.region_id = 4;
-  storage.sites.Put(site, "");
+  PutSite(storage, site);
   CHECK(storage.sites.Find("s")->region_id == 4);
 }
 
@@ -80,25 +77,23 @@ TEST_CASE(
   Storage storage(place.options());
   SiteRow site = SomeSite("fiji", -17.0, 179.95);
   site.recall = RecallData{true, 10.0, "amsl", 0.5, "{}"};
-  storage.sites.Put(site, "");
+  PutSite(storage, site);
   site = SomeSite("taveuni", -17.0, -179.9);
   site.recall = RecallData{false, 20.0, "amsl", 0.4, "{}"};
   site.map_box = BoundingBox{-179.95, -17.1, -179.5, -16.9};
-  storage.sites.Put(site, "map");
-  storage.sites.Put(SomeSite("rejected", -17.0, 179.95), "");
+  PutSite(storage, site);
+  PutSite(storage, SomeSite("rejected", -17.0, 179.95));
   CHECK(storage.sites.ListRecallable({179.9, -18.0, -179.8, -16.0}).size() == 2);
   CHECK(storage.sites.ListRecallable({179.0, -18.0, 180.0, -16.0}).size() == 1);
   // By the map's extent, not the touchdown.
   CHECK(storage.sites.ListRecallable({-179.6, -18.0, -179.4, -16.0}).size() == 1);
   CHECK(storage.sites.ListRecallable({0.0, -18.0, 10.0, -16.0}).empty());
-  CHECK(storage.sites.ListMaps({179.9, -18.0, 180.0, -16.0}).size() == 2);
   // Rejected at the next evaluation: no longer recalled.
   site.recall.reset();
-  storage.sites.Put(site, "map");
+  PutSite(storage, site);
   CHECK(storage.sites.ListRecallable({-180.0, -90.0, 180.0, 90.0}).size() == 1);
   storage.sites.Delete("fiji");
   CHECK(storage.sites.ListRecallable({-180.0, -90.0, 180.0, 90.0}).empty());
-  CHECK(storage.sites.ListMaps({-180.0, -90.0, 180.0, 90.0}).size() == 2);
 }
 
 TEST_CASE("site store: a superseded site is not recalled, until what superseded it is gone") {
@@ -106,7 +101,7 @@ TEST_CASE("site store: a superseded site is not recalled, until what superseded 
   Storage storage(place.options());
   SiteRow old_site = SomeSite("f-r1", 50.0, 8.0);
   old_site.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
-  storage.sites.Put(old_site, "map");
+  PutSite(storage, old_site);
   SiteRow new_site = old_site;
   new_site.id = std::string("g-r1");
   new_site.flight_id = std::string("g");
@@ -116,15 +111,13 @@ TEST_CASE("site store: a superseded site is not recalled, until what superseded 
   superseded.superseded_reason = std::string("approach_blocked");
   superseded.confirmed_at_us = 1500;
   superseded.is_checked = true;
-  storage.sites.Put(new_site, "map", {{"f-r1", superseded}});
+  PutSite(storage, new_site, {{"f-r1", superseded}});
   const BoundingBox box{7.0, 49.0, 9.0, 51.0};
   REQUIRE(storage.sites.ListRecallable(box).size() == 1);
   CHECK(storage.sites.ListRecallable(box)[0]->site_id == "g-r1");
   CHECK((static_cast<Standing>(*storage.sites.Find("f-r1")) == superseded));
   CHECK(storage.sites.CountOverruled(box) == 1);
   CHECK(storage.sites.ListDependents("g-r1") == std::vector<std::string>{"f-r1"});
-  // Its map still tells of terrain.
-  CHECK(storage.sites.ListMaps(box).size() == 2);
   Standing confirmed;
   confirmed.confirmed_at_us = 1500;
   CHECK_FALSE(storage.sites.Delete("none", {{"f-r1", confirmed}}));
@@ -142,11 +135,11 @@ TEST_CASE("site store: what bounds the reach of sites follows them") {
   Storage storage(place.options());
   SiteRow high = SomeSite("f-r1", 50.0, 8.0);
   high.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
-  storage.sites.Put(high, "");
+  PutSite(storage, high);
   CHECK(storage.sites.BoundsOfRecallable().min_altitude_m == 300.0);
   SiteRow low = SomeSite("f-r3", 50.0, 8.0);
   low.recall = RecallData{true, 20.0, "amsl", 0.7, "{\"glide_ratio\":30}"};
-  storage.sites.Put(low, "");
+  PutSite(storage, low);
   CHECK(storage.sites.BoundsOfRecallable().min_altitude_m == 20.0);
   CHECK(storage.sites.BoundsOfRecallable().aircraft_jsons.size() == 2);
 }

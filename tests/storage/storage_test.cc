@@ -19,7 +19,11 @@ TEST_CASE("storage: what was stored is there after opening the folder again") {
     storage.flights.Insert(SomeFlight("f"));
     storage.images.Write(kImage, std::string_view("pixels\0more", 11));
     storage.frames.Insert("f", {SomeFrame("f", "one"), SomeFrame("f", "two")}, SomeJob("j", "f"));
-    storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), std::string("map\0blob", 8));
+    const std::string tile("map\0blob", 8);
+    storage.maps.Stage(SomeMap("f/1", "f", {7.9, 49.9, 8.1, 50.1}), {{{0, 0, 0}, tile}}, {});
+    SiteRow site = SomeSite("f-r3", 50.0, 8.0);
+    site.map_id = "f/1";
+    storage.sites.PutEvaluation({{site}, {}, {"f/1"}, {}}, {});
   }
   const Storage storage(place.options());
   REQUIRE(storage.flights.Find("f"));
@@ -28,7 +32,8 @@ TEST_CASE("storage: what was stored is there after opening the folder again") {
   CHECK(storage.frames.List("f").size() == 2);
   CHECK(storage.frames.List("f")[1].sequence == 2);
   CHECK(storage.jobs.Find("j")->kind == "batch");
-  CHECK(storage.sites.ReadMap("f-r3") == std::string("map\0blob", 8));
+  CHECK(storage.sites.Find("f-r3")->map_id == "f/1");
+  CHECK(storage.maps.ReadTile("f/1", {0, 0, 0}) == std::string("map\0blob", 8));
 }
 
 TEST_CASE("storage: a second process is refused while the folder is in use") {

@@ -121,10 +121,6 @@ class Autopilot {
     const double sign = random_() % 2 == 0 ? 1.0 : -1.0;
     altitude_bias_ = sign * options.noise_scale * options.altitude_bias_m;
   }
-  // Other errors, but the same bias.
-  Autopilot(const FlightOptions& options, uint64_t seed) : Autopilot(options) {
-    random_.seed(MixSeed(seed, kSensors));
-  }
 
   AutopilotSample Report(const AutopilotSample& truth, double dt) {
     const double scale = options_.noise_scale;
@@ -165,35 +161,6 @@ std::string ImageName(int index) {
   return name;
 }
 
-// What happens at the waypoints: gusts by `seed`, errors by the autopilot.
-std::vector<SyntheticExposure> ExposuresAt(const std::vector<Waypoint>& waypoints,
-                                           const FlightOptions& options,
-                                           const Eigen::Vector2d& wind_in_world,
-                                           uint64_t seed,
-                                           Autopilot autopilot) {
-  std::mt19937_64 random(MixSeed(seed, kGusts));
-  Drift roll(RadFromDeg(kGustRollDeg), kGustTimeS), pitch(RadFromDeg(kGustPitchDeg), kGustTimeS);
-  Drift height(kGustHeightM, kGustTimeS);
-  std::vector<SyntheticExposure> exposures;
-  double previous_s = 0.0;
-  for (const Waypoint& waypoint : waypoints) {
-    const double dt = waypoint.time_s - previous_s;
-    previous_s = waypoint.time_s;
-    SyntheticExposure exposure;
-    exposure.image = ImageName(static_cast<int>(exposures.size()));
-    exposure.timestamp_us = options.start_us + std::llround(waypoint.time_s * 1e6);
-    exposure.truth.position_in_world << waypoint.place,
-        options.height_above_origin_m + height.Next(dt, random);
-    exposure.truth.attitude.roll = waypoint.bank + roll.Next(dt, random);
-    exposure.truth.attitude.pitch = pitch.Next(dt, random);
-    exposure.truth.attitude.yaw = CrabbedHeading(waypoint, options.airspeed_mps, wind_in_world);
-    exposure.reported = autopilot.Report(exposure.truth, dt);
-    exposure.reported_wind_in_world = autopilot.ReportWind(wind_in_world);
-    exposures.push_back(exposure);
-  }
-  return exposures;
-}
-
 }  // namespace
 
 void FlightOptions::Check() const {
@@ -215,31 +182,26 @@ std::vector<SyntheticExposure> PlanFlight(const FlightOptions& options,
   const std::vector<Waypoint> waypoints = options.pattern == FlightPattern::kCircle
                                               ? Circle(options, wind_in_world)
                                               : Legs(options, wind_in_world);
-  return ExposuresAt(waypoints, options, wind_in_world, options.seed, Autopilot(options));
-}
-
-std::vector<SyntheticExposure> PlanLeg(const FlightOptions& options,
-                                       const SyntheticLeg& leg,
-                                       const Eigen::Vector2d& wind_in_world) {
-  options.Check();
-  // Longer than any leg takes.
-  constexpr double kTimeOfLegS = 60.0;
-  const double spacing = options.airspeed_mps * options.frame_period_s;
-  const double length = (leg.to - leg.from).norm();
-  std::vector<Waypoint> waypoints;
-  for (double along = 0.0; along <= length + 1e-6; along += spacing) {
-    Waypoint waypoint;
-    waypoint.track = (leg.to - leg.from) / length;
-    waypoint.place = leg.from + along * waypoint.track;
-    waypoint.time_s = along / GroundSpeed(waypoint.track, options.airspeed_mps, wind_in_world);
-    waypoints.push_back(waypoint);
-  }
-  const uint64_t seed = MixSeed(options.seed, static_cast<uint64_t>(leg.id));
-  std::vector<SyntheticExposure> exposures =
-      ExposuresAt(waypoints, options, wind_in_world, seed, Autopilot(options, seed));
-  for (SyntheticExposure& exposure : exposures) {
-    exposure.image = "leg_" + std::to_string(leg.id) + "_" + exposure.image;
-    exposure.timestamp_us += std::llround(leg.id * kTimeOfLegS * 1e6);
+  std::mt19937_64 random(MixSeed(options.seed, kGusts));
+  Drift roll(RadFromDeg(kGustRollDeg), kGustTimeS), pitch(RadFromDeg(kGustPitchDeg), kGustTimeS);
+  Drift height(kGustHeightM, kGustTimeS);
+  Autopilot autopilot(options);
+  std::vector<SyntheticExposure> exposures;
+  double previous_s = 0.0;
+  for (const Waypoint& waypoint : waypoints) {
+    const double dt = waypoint.time_s - previous_s;
+    previous_s = waypoint.time_s;
+    SyntheticExposure exposure;
+    exposure.image = ImageName(static_cast<int>(exposures.size()));
+    exposure.timestamp_us = options.start_us + std::llround(waypoint.time_s * 1e6);
+    exposure.truth.position_in_world << waypoint.place,
+        options.height_above_origin_m + height.Next(dt, random);
+    exposure.truth.attitude.roll = waypoint.bank + roll.Next(dt, random);
+    exposure.truth.attitude.pitch = pitch.Next(dt, random);
+    exposure.truth.attitude.yaw = CrabbedHeading(waypoint, options.airspeed_mps, wind_in_world);
+    exposure.reported = autopilot.Report(exposure.truth, dt);
+    exposure.reported_wind_in_world = autopilot.ReportWind(wind_in_world);
+    exposures.push_back(exposure);
   }
   return exposures;
 }

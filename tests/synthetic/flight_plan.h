@@ -57,19 +57,6 @@ struct SyntheticExposure {
 std::vector<SyntheticExposure> PlanFlight(const FlightOptions& options,
                                           const Eigen::Vector2d& wind_in_world);
 
-// A straight leg of a flight.
-struct SyntheticLeg {
-  Eigen::Vector2d from = Eigen::Vector2d::Zero();
-  Eigen::Vector2d to = Eigen::Vector2d::Zero();
-  // Chooses gusts and errors, and names the images. Later legs of one flight have larger ids.
-  int id = 0;
-};
-// One leg of the flight that the options' seed flies: the altitude's bias is that of the flight, so
-// legs may be photographed in any order.
-std::vector<SyntheticExposure> PlanLeg(const FlightOptions& options,
-                                       const SyntheticLeg& leg,
-                                       const Eigen::Vector2d& wind_in_world);
-
 Rigid3d WorldFromBody(const AutopilotSample& sample);
 
 }  // namespace freelsd

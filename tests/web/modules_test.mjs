@@ -109,7 +109,7 @@ test('why not here: the title is the verdict of the server and the first rule th
   assert.equal(headlineOf({ verdict: 'rejected', first_failed: 'hazard_distance' }), '✕ Not landable: too close to a hazard');
 });
 
-test('strip: length and width are rounded down, an old site has none', () => {
+test('strip: length and width are rounded down, a site without an approach has none', () => {
   assert.equal(strip({ usable_length_m: 180.9, usable_width_m: 35.2 }), '180 × 35 m');
   assert.equal(strip({ usable_length_m: null, usable_width_m: null }), 'unknown');
   assert.equal(strip({}), 'unknown');

@@ -12,6 +12,6 @@ for program in node npm; do
 done
 npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 # A page that hangs must not hang the tests.
-timeout 900 node --test --test-concurrency=2 --test-reporter=spec modules_test.mjs page_test.mjs plan_test.mjs parts_test.mjs ground_test.mjs why_test.mjs route_test.mjs next_look_test.mjs watch_test.mjs links_test.mjs emergency_test.mjs service_test.mjs
+timeout 900 node --test --test-concurrency=2 --test-reporter=spec modules_test.mjs page_test.mjs plan_test.mjs parts_test.mjs ground_test.mjs why_test.mjs route_test.mjs next_look_test.mjs links_test.mjs emergency_test.mjs service_test.mjs
 # Alone: it loads the engine, and its flight would disturb the other tests.
 timeout 600 node --test --test-reporter=spec live_test.mjs

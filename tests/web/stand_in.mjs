@@ -48,7 +48,6 @@ function described(contract, { reach, obstacles, newLook, map, baseMap, landing,
 async function playObstacles(request, response, path, obstacles) {
   const id = decodeURIComponent(path.split('/')[3] ?? '');
   const index = obstacles.findIndex((obstacle) => obstacle.id === id);
-  if (request.method === 'GET' && id) return answer(response, index >= 0 ? 200 : 404, obstacles[index] ?? problem(404, 'no such obstacle'), kGeoJson);
   if (request.method === 'GET') return answer(response, 200, { type: 'FeatureCollection', features: obstacles }, kGeoJson);
   if (request.method === 'DELETE') {
     if (index >= 0) obstacles.splice(index, 1);

@@ -112,17 +112,17 @@ test('proof: six photographs are loaded, the others are named; lost photographs 
   await shoot(page, 'why-proof-lost');
 });
 
-test('proof: a map of an earlier version says what it does not store', async (t) => {
+test('proof: what the map does not store is said', async (t) => {
   const { page, seen } = await open(t, withProof({ weights: [0, 0], nearest_limit: null, options: {}, evidence_digest: 'd7738b13',
-    versions: { program: null, grass_model_sha256: null, map: 'f/1', evaluated_at: '2026-11-27T09:55:18Z' },
+    versions: { program: '0.1.0', grass_model_sha256: 'd7', map: 'f/1', evaluated_at: '2026-11-27T09:55:18Z' },
     evidence: { height_likelihood: null, cues: null, context_frames: null } }));
   await clicked(page);
   await pictures(page);
   await unfold(page);
   assert.deepEqual(await page.locator('.patch-row li > span').allInnerTexts(), ['IMG_7.JPG', 'IMG_8.JPG'], 'unknown weights are not shown as zero');
   const text = await page.locator('.answer').innerText();
-  for (const told of [/How well other heights explain the photographs is not known/, /here is not stored: the map is of an earlier version/,
-    /Which other photographs it depends on is not stored/, /Program\s+not stored/, /given no options/, /Digest of the evidence\s+d7738b13/]) assert.match(text, told);
+  for (const told of [/How well other heights explain the photographs is not known/, /What tells grass from other ground here is not stored/,
+    /Which other photographs it depends on is not stored/, /given no options/, /Digest of the evidence\s+d7738b13/]) assert.match(text, told);
   assert.equal(await page.locator('.likelihood').count(), 0);
   await shoot(page, 'why-proof-earlier');
   assert.deepEqual(seen.errors, []);

@@ -44,9 +44,8 @@ struct GivenObstacle {
 GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer);
 // The obstacle as a GeoJSON feature, for answers and storage.
 nlohmann::json ObstacleFeature(const GivenObstacle& obstacle);
-// Reads the same obstacle back. It accepts shapes and names that a request may no longer have: an
-// earlier version may have stored them, and recall fails if it cannot read an obstacle. Throws
-// ApiError.
+// Reads the same obstacle back. It accepts shapes and names that a request may not have, because
+// OpenAir files have them. Throws ApiError.
 GivenObstacle ParseStoredObstacle(const nlohmann::json& feature);
 
 struct ImportedObstacles {

@@ -1,14 +1,10 @@
-// Cameras as Kalibr, ROS and EuRoC write them. In all three, pixel (0, 0) is the centre of the
-// top-left one, as ours.
-#include <cmath>
-
+// Cameras as Kalibr and ROS write them. In both, pixel (0, 0) is the centre of the top-left one, as
+// ours.
 #include "api/import/poses/side_files.h"
 #include "api/import/poses/yaml.h"
 
 namespace freelsd {
 namespace {
-
-constexpr double kMaxRotationError = 1e-2;
 
 nlohmann::json YamlOf(const SideFile& file) {
   try {
@@ -101,22 +97,6 @@ void SetDistortion(const std::string& model,
   }
 }
 
-// `matrix` is 4x4, row by row.
-Rigid3d RigidOf(const std::vector<double>& matrix, const std::string& key, const SideFile& file) {
-  Eigen::Matrix3d rotation;
-  Rigid3d target_from_source;
-  for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) rotation(row, col) = matrix[row * 4 + col];
-    target_from_source.translation[row] = matrix[row * 4 + 3];
-  }
-  const bool is_rotation =
-      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < kMaxRotationError &&
-      rotation.determinant() > 0.0;
-  if (!is_rotation) throw InvalidSideFile(file, 0, key + ": must be a rigid transform");
-  target_from_source.rotation = Eigen::Quaterniond(rotation).normalized();
-  return target_from_source;
-}
-
 void RefuseUnlessPinhole(const nlohmann::json& map, const SideFile& file) {
   if (TextAt(map, "camera_model", file) == "pinhole") return;
   throw InvalidSideFile(file, 0, "camera_model: only pinhole is supported");
@@ -142,11 +122,6 @@ void ReadKalibr(const SideFile& file, SideData& data) {
   if (yaml.contains("cam1")) {
     data.file.warnings.push_back(ShownPath(file.path) + ": only cam0 of the chain is used");
   }
-  // Points of the IMU to points of the camera, the inverse of EuRoC's T_BS.
-  if (entry.contains("T_cam_imu")) {
-    data.body_from_camera =
-        Inverse(RigidOf(NumbersAt(entry, "T_cam_imu", 16, file), "T_cam_imu", file));
-  }
 }
 
 void ReadCameraInfo(const SideFile& file, SideData& data) {
@@ -160,18 +135,6 @@ void ReadCameraInfo(const SideFile& file, SideData& data) {
                 file,
                 camera);
   SetCamera(camera, file, data);
-}
-
-void ReadEurocSensor(const SideFile& file, SideData& data) {
-  const nlohmann::json yaml = YamlOf(file);
-  Camera camera = PinholeOf(yaml, file);
-  SetDistortion(TextAt(yaml, "distortion_model", file),
-                NumbersAt(yaml, "distortion_coefficients", 4, file),
-                file,
-                camera);
-  SetCamera(camera, file, data);
-  // Points of the sensor to points of the body.
-  data.body_from_camera = RigidOf(NumbersAt(yaml, "T_BS", 16, file), "T_BS", file);
 }
 
 }  // namespace freelsd

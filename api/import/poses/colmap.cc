@@ -61,7 +61,7 @@ Camera ReadCamera(const TextLine& line, const SideFile& file) {
 LocalPose PoseOf(const std::string& image,
                  const Eigen::Quaterniond& camera_from_world,
                  const Eigen::Vector3d& translation) {
-  return {IdFromFileName(image), Inverse(Rigid3d{camera_from_world, translation}), std::nullopt};
+  return {IdFromFileName(image), Inverse(Rigid3d{camera_from_world, translation})};
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Transforms poses from the local frame of a reconstruction or laboratory to the earth.
+// Transforms poses from the local frame of a reconstruction to the earth.
 #include <cmath>
 #include <map>
 #include <set>
@@ -103,18 +103,12 @@ Georeferencing ReferenceOf(const std::vector<LocalPose>& poses,
                            const std::map<std::string, GeoPoint>& geotags,
                            const SideContext& context,
                            const SideData& data) {
-  if (data.local_kind == LocalFrameKind::kEastNorthUp)
-    return AboutOrigin(data.local_origin.value());
+  if (data.local_origin) return AboutOrigin(*data.local_origin);
   if (auto fit = FitToGeotags(poses, geotags)) {
     fit->altitude_datum = CommonDatum(context, data.file);
     return *fit;
   }
-  if (data.local_kind == LocalFrameKind::kLevelMetric && context.origin)
-    return AboutOrigin(*context.origin);
-  throw UnusablePoses(
-      data.local_kind == LocalFrameKind::kLevelMetric
-          ? "local poses need the flight's origin, or positions of 3 images (geotags, geo.txt, CSV)"
-          : "local poses need positions of at least 3 images (geotags, geo.txt or CSV)");
+  throw UnusablePoses("local poses need positions of at least 3 images (geotags, geo.txt or CSV)");
 }
 
 FrameMeta MetaOf(const LocalPose& pose, const Georeferencing& reference, const LocalFrame& frame) {
@@ -123,7 +117,6 @@ FrameMeta MetaOf(const LocalPose& pose, const Georeferencing& reference, const L
       reference.scale * (world_from_local.rotation * pose.local_from_camera.translation) +
       world_from_local.translation;
   FrameMeta meta;
-  meta.timestamp_us = pose.timestamp_us;
   meta.position = frame.GeoFromWorld(position_in_world);
   meta.altitude_datum = reference.altitude_datum;
   meta.ned_from_camera =
@@ -171,15 +164,13 @@ std::string MetresText(double metres) {
 
 void WarnOf(const Georeferencing& reference, SideData& data) {
   std::vector<std::string>& warnings = data.file.warnings;
-  if (data.local_kind == LocalFrameKind::kEastNorthUp) return;
+  if (data.local_origin) return;
   if (reference.residual_m > kMaxResidualM) {
     warnings.push_back("PoorFit: poses and geotags differ by " + MetresText(reference.residual_m) +
                        " after the best fit");
-  } else if (reference.residual_m > 0.0) {
+  } else {
     warnings.push_back("local poses were fitted to geotags, to " +
                        MetresText(reference.residual_m) + " on average");
-  } else {
-    warnings.emplace_back("local poses are read as east, north, up about the flight's origin");
   }
 }
 

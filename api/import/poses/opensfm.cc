@@ -79,7 +79,6 @@ void SetReference(const nlohmann::json& object, const SideFile& file, SideData& 
   if (std::abs(origin.latitude_deg) > 90.0 || std::abs(origin.longitude_deg) > 180.0) {
     throw InvalidSideFile(file, 0, "the reference is not on the earth");
   }
-  data.local_kind = LocalFrameKind::kEastNorthUp;
   data.local_origin = origin;
 }
 
@@ -90,7 +89,7 @@ LocalPose PoseOf(const std::string& image, const nlohmann::json& shot, const Sid
     camera_from_world.rotation = Eigen::AngleAxisd(axis_angle.norm(), axis_angle.normalized());
   }
   camera_from_world.translation = VectorAt(shot, "translation", file);
-  return {IdFromFileName(image), Inverse(camera_from_world), std::nullopt};
+  return {IdFromFileName(image), Inverse(camera_from_world)};
 }
 
 nlohmann::json JsonOf(const SideFile& file) {

@@ -40,7 +40,7 @@ struct SideContext {
   std::vector<std::pair<std::string, FrameMeta>> image_tags;
 };
 // Reads all files beside the images. The format is detected from the content: CSV, NDJSON, ODM
-// geo.txt, EuRoC/ASL, Kalibr camchain, ROS camera_info, COLMAP text, OpenSfM. Throws ApiError
+// geo.txt, Kalibr camchain, ROS camera_info, COLMAP text, OpenSfM. Throws ApiError
 // InvalidPoses if a file is invalid or all are empty. One empty file among others is a warning.
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context);
 

@@ -31,7 +31,6 @@ std::string_view WithoutMark(std::string_view text) {
 // The beginning of a file, and its name, in lower case.
 struct Head {
   std::string text;
-  std::string first_line;
   std::string name;
   bool is_yaml = false;
   bool is_json = false;
@@ -43,7 +42,6 @@ struct Head {
         is_json(name.ends_with(".json")) {
     const size_t start = text.find_first_not_of(" \t\r\n");
     if (start != std::string::npos) text.erase(0, start);
-    first_line = text.substr(0, text.find('\n'));
   }
   bool Has(std::string_view word) const { return text.find(word) != std::string::npos; }
   bool Begins(std::string_view word) const { return text.rfind(word, 0) == 0; }
@@ -92,7 +90,7 @@ bool IsOdmGcp(const Head& head) {
 }
 
 // The first matching format is used.
-constexpr std::array<SideFormat, 17> kFormats{{
+constexpr std::array<SideFormat, 13> kFormats{{
     {"colmap-cameras",
      "named cameras.txt, or begins with \"# Camera list\"",
      [](const Head& head) { return head.name == "cameras.txt" || head.Begins("# camera list"); },
@@ -121,29 +119,6 @@ constexpr std::array<SideFormat, 17> kFormats{{
      [](const Head& head) { return head.is_json && !head.Has("\"image\""); },
      Ignore},
     {"ndjson", "begins with {", [](const Head& head) { return head.Begins("{"); }, ReadPoseLines},
-    {"euroc-ground-truth",
-     "its header has #timestamp and q_RS_w",
-     [](const Head& head) {
-       return head.Begins("#timestamp") && head.first_line.find("q_rs_w") != std::string::npos;
-     },
-     ReadEurocGroundTruth},
-    {"euroc-images",
-     "its header has #timestamp and filename",
-     [](const Head& head) {
-       return head.Begins("#timestamp") && head.first_line.find("filename") != std::string::npos;
-     },
-     ReadEurocImages},
-    {"euroc-other",
-     "data of another sensor",
-     [](const Head& head) {
-       return head.Begins("#timestamp") ||
-              (head.is_yaml && head.Has("sensor_type") && !head.Has("sensor_type: camera"));
-     },
-     Ignore},
-    {"euroc-sensor",
-     "has T_BS and intrinsics",
-     [](const Head& head) { return head.Has("t_bs:") && head.Has("intrinsics:"); },
-     ReadEurocSensor},
     {"kalibr-camchain",
      "has cam0 with a camera_model",
      [](const Head& head) { return head.Has("cam0:") && head.Has("camera_model:"); },
@@ -328,7 +303,6 @@ PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& c
     }
   }
   RefuseFramesTwice(data.file);
-  if (!data.body_poses.empty()) JoinBodyPoses(context, data);
   Georeference(context, data);
   RefuseFramesTwice(data.file);
   for (const std::string& warning : SuspicionsOf(data.file, context)) {

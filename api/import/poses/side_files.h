@@ -1,7 +1,6 @@
 // Private to poses/. Shared by the readers of files beside the images.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,23 +13,10 @@
 
 namespace freelsd {
 
-// Pose of a camera in the local frame of a reconstruction or laboratory.
+// Pose of a camera in the local frame of a reconstruction.
 struct LocalPose {
   std::string image_id;
   Rigid3d local_from_camera;
-  std::optional<int64_t> timestamp_us;
-};
-
-// Relation of a local frame to the earth.
-enum class LocalFrameKind {
-  kAnySimilarity,  // scale and attitude are arbitrary and must be fitted to the geotags
-  kLevelMetric,    // metres, z up; the heading of x is unknown
-  kEastNorthUp,    // metres, tangent at `local_origin`
-};
-
-struct BodyPose {
-  int64_t timestamp_ns = 0;
-  Rigid3d local_from_body;
 };
 
 // Data read so far from all files.
@@ -39,13 +25,9 @@ struct SideData {
   std::vector<LocalPose> local_poses;
   // The same poses, with each quaternion read in the order x, y, z, w.
   std::vector<LocalPose> local_poses_w_last;
-  LocalFrameKind local_kind = LocalFrameKind::kAnySimilarity;
+  // Where the local frame is east, north, up in metres. Nothing: its scale and attitude are
+  // arbitrary and must be fitted to the geotags.
   std::optional<GeoPoint> local_origin;
-  // EuRoC only: poses of the body, joined with the images after all files are read.
-  std::vector<BodyPose> body_poses;
-  std::vector<BodyPose> body_poses_w_last;
-  std::map<std::string, int64_t> image_times_ns;
-  std::optional<Rigid3d> body_from_camera;
 };
 
 // Makes an ApiError InvalidPoses with the pointer "/poses/<file>/<line>". Line 0 means the whole
@@ -77,16 +59,11 @@ void SetCamera(const Camera& camera, const SideFile& file, SideData& data);
 void ReadOdmGeo(const SideFile& file, SideData& data);
 void ReadKalibr(const SideFile& file, SideData& data);
 void ReadCameraInfo(const SideFile& file, SideData& data);
-void ReadEurocSensor(const SideFile& file, SideData& data);
-void ReadEurocImages(const SideFile& file, SideData& data);
-void ReadEurocGroundTruth(const SideFile& file, SideData& data);
 void ReadColmapCameras(const SideFile& file, SideData& data);
 void ReadColmapImages(const SideFile& file, SideData& data);
 void ReadOpenSfm(const SideFile& file, SideData& data);
 void ReadReferenceLla(const SideFile& file, SideData& data);
 
-// EuRoC: interpolates the pose of each image between the body's poses before and after it.
-void JoinBodyPoses(const SideContext& context, SideData& data);
 // Converts local poses to poses on the earth.
 void Georeference(const SideContext& context, SideData& data);
 // Warnings about readable poses that are probably wrong. Each warning starts with its name, for

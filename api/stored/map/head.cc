@@ -49,14 +49,8 @@ MapView ViewOf(const nlohmann::json& object) {
                                      wxyz.at(1).get<double>(),
                                      wxyz.at(2).get<double>(),
                                      wxyz.at(3).get<double>()};
-  // Maps of earlier versions have neither.
-  view.height_above_ground = object.value("height_above_ground_m", 0.0);
-  view.partners = object.value("partners", std::vector<size_t>{});
-  // Maps of still earlier versions.
-  if (object.contains("turn_rad")) {
-    view.readout =
-        Readout::Turning(VectorOf(object.at("turn_rad")), VectorOf(object.at("bend_rad")));
-  }
+  view.height_above_ground = object.at("height_above_ground_m");
+  view.partners = object.at("partners").get<std::vector<size_t>>();
   if (object.contains("turns_rad")) {
     for (int k = 0; k < Readout::kNumTurns; ++k) {
       view.readout.turns.col(k) = VectorOf(object.at("turns_rad").at(k));
@@ -157,8 +151,8 @@ MapHead ParseMapHead(const std::string& text) {
       if (partner >= head.views.size()) throw std::runtime_error("stored map: an impossible pair");
     }
   }
-  head.program_version = object.value("program_version", "");
-  head.model_sha256 = object.value("model_sha256", "");
+  head.program_version = object.at("program_version");
+  head.model_sha256 = object.at("model_sha256");
   for (const auto& [name, range] : object.at("ranges").items()) {
     head.ranges.push_back({name, range.at(0), range.at(1)});
   }

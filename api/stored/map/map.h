@@ -124,8 +124,7 @@ struct MapHead {
   // Nothing if the map has no picture.
   std::optional<PhotoLattice> photo;
   BlockQuality quality;
-  // Version of the program that made the map, and SHA-256 of its grass model's file. Empty in maps
-  // of earlier versions.
+  // Version of the program that made the map, and SHA-256 of its grass model's file.
   std::string program_version = {};
   std::string model_sha256 = {};
 };

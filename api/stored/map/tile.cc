@@ -1,7 +1,6 @@
 // The stored form of a tile:
 //   "FLMT", version (u32), then three parts, each with its size (u32), the size of its deflated
 //   bytes (u32) and its CRC-32 (u32): the rasters for planning, those only for display, and cues.
-//   Version 1 has no cues.
 // A raster is a number for each cell, row by row: a count of steps (MapSteps), 0xFFFF where
 // unknown. Each number is stored as the difference from the one to the west, or, in the first
 // column, from the one to the north. All low bytes of a raster come before its high bytes: this
@@ -319,7 +318,7 @@ MapRasters DeserializeTile(const std::string& bytes, const Grid& grid, TileLayer
   }
   uint32_t version = 0;
   std::memcpy(&version, bytes.data() + sizeof(kMagic), sizeof(version));
-  if (version == 0 || version > kVersion) {
+  if (version != kVersion) {
     throw std::runtime_error("stored map tile: version " + std::to_string(version));
   }
   MapRasters tile = UnseenRasters(grid);
@@ -328,7 +327,7 @@ MapRasters DeserializeTile(const std::string& bytes, const Grid& grid, TileLayer
   ReadPlanning(ReadPart(bytes, is(kPlanningBytes), position), tile.site_map);
   if (layers == TileLayers::kPlanning) return tile;
   ReadDisplay(ReadPart(bytes, is(kDisplayBytes), position), tile);
-  if (layers == TileLayers::kAll || version == 1) return tile;
+  if (layers == TileLayers::kAll) return tile;
   const auto is_cues = [](size_t size) { return size <= kMaxNumCues * (kNumCells + 256); };
   tile.cues = ReadCues(ReadPart(bytes, is_cues, position));
   return tile;

@@ -1,5 +1,5 @@
 #include "engine/cover/kind/cue_groups.h"
-#include "engine/cover/raised_fields.h"
+#include "engine/cover/kind/raised_border.h"
 
 namespace freelsd {
 namespace {
@@ -48,7 +48,7 @@ void VisitHeightCues(const CueInput& input,
   visit(Cue::kHeightDeviation, LogOf(input.map.standard_deviation, kLeastDeviationM));
   visit(Cue::kUnevenness, LogOf(Unevenness(elevation, kNeighbourhoodM / cell), kLeastDeviationM));
   visit(Cue::kRaisedBorder,
-        RaisedBorderRatio(EvenGrass(input, view_log_odds, options), elevation, cell, options));
+        RaisedBorderRatio(EvenGrass(input, view_log_odds, options), elevation, cell));
 }
 
 }  // namespace freelsd

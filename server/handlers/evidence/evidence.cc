@@ -45,7 +45,6 @@ std::vector<StereoPair> PairsOf(const MapHead& head) {
   return pairs;
 }
 
-// Maps of earlier versions do not know the heights of their views.
 double PatchSidePx(const AdjustedBlock& block, const CellOnMap& cell, size_t view) {
   const double height = block.views[view].world_from_camera.translation.z() - cell.height;
   const double pixel_m = std::max(1.0, height) / block.camera.MeanFocalPx();
@@ -192,11 +191,8 @@ nlohmann::json OptionsOfMapJson(const MapHead& head) {
 }
 
 nlohmann::json VersionsOfMapJson(const FlightMap& map) {
-  const auto known = [](const std::string& text) {
-    return text.empty() ? nlohmann::json(nullptr) : nlohmann::json(text);
-  };
-  return {{"program", known(map.head.program_version)},
-          {"grass_model_sha256", known(map.head.model_sha256)},
+  return {{"program", map.head.program_version},
+          {"grass_model_sha256", map.head.model_sha256},
           {"map", map.row.id},
           {"evaluated_at", Rfc3339(map.row.updated_at_us)}};
 }

@@ -20,9 +20,9 @@ struct CellOnMap {
 };
 
 // `frames` that show the place; `patches`: where each shows it, with its weight and the address of
-// the part of it that is cut out there; `context_frames`; `height_likelihood`; `cues`. A map of an
-// earlier version has no context frames and no cues. height_likelihood is null where photographs
-// are missing or fewer than two show the place.
+// the part of it that is cut out there; `context_frames`, null if no photographs were matched;
+// `cues`, null if the map has none; `height_likelihood`, null where photographs are missing or
+// fewer than two show the place.
 nlohmann::json CellEvidenceJson(Service& service, const CellOnMap& cell);
 
 // The part of the risk that is nearest to its limit; null without a risk.

@@ -66,15 +66,6 @@ void ForgetOldRemovals(Service& service) {
 
 std::string MapIdOf(const Call& call) { return call.Id("flight") + "/" + call.Id("number"); }
 
-// Sites are planned around what others share, and the feed has an organisation's own alone.
-void RefuseWhereSitesAreShared(const Service& service) {
-  for (const auto& [name, settings] : service.config.organisations) {
-    if (!settings.shares_sites) continue;
-    throw ApiError("Conflict",
-                   "organisations share sites here: a copy would lack the obstacles of the others");
-  }
-}
-
 void PublishSites(Service& service, const std::vector<SiteRow>& sites) {
   for (const SiteRow& site : sites) {
     service.events.Publish("site",
@@ -87,7 +78,6 @@ void PublishSites(Service& service, const std::vector<SiteRow>& sites) {
 }  // namespace
 
 void GetChanges(Service& service, const Call& call, httplib::Response& response) {
-  RefuseWhereSitesAreShared(service);
   FeedRequest request;
   request.since = ParseFeedPlace(call.Query("since").value_or("0"));
   request.area = ParseBoundingBox(call);

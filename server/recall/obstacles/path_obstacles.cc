@@ -106,7 +106,7 @@ Nearest NearestOf(const GivenObstacle& given, const GeoPoint& place) {
 bool IsMapped(const StoredSites& stored, const EmergencyRequest& request, const GeoPoint& place) {
   const auto maps = stored.storage.sites.ListMaps(BoxAroundPlace(place, 0.0));
   return std::any_of(maps.begin(), maps.end(), [&](const auto& map) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, map->id, map->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, map->id);
     return terrain && terrain->CountsFor(request.flight_id);
   });
 }

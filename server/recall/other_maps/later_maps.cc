@@ -19,7 +19,7 @@ std::optional<ShownGround> GroundOnFlightMap(const StoredSites& stored,
                      stored.maps.flight_maps().Read(stored.storage, map, 0, grid, layers)};
 }
 
-ShownGround GroundOfOwnMap(const StoredPlan& plan, const GeoPoint& origin, const SiteMap& map) {
+ShownGround GroundUnder(const StoredPlan& plan, const GeoPoint& origin, const SiteMap& map) {
   const double position_sd_m = map.map.position_sd_m;
   const Polygon ground = CheckedGroundOf(plan, origin, map.map.grid, position_sd_m);
   return {origin, {CropAround(map.map, map.layers, ground, 0.0), {}}};
@@ -36,16 +36,9 @@ std::optional<ShownGround> GroundOn(const StoredSites& stored,
                                     const StoredPlan& plan,
                                     const MapRow& map,
                                     TileLayers layers) {
-  if (map.is_of_flight) {
-    const auto found = stored.maps.flight_maps().Find(stored.storage, map.id);
-    if (!found || !IsJudge(found->memory, found->aircraft)) return std::nullopt;
-    return GroundOnFlightMap(stored, plan, *found, layers);
-  }
-  const auto kept = stored.maps.Get(stored.storage, map.id, map.updated_at_us);
-  if (!kept || !IsJudge(kept->replan.flight.memory, kept->replan.flight.aircraft)) {
-    return std::nullopt;
-  }
-  return GroundOfOwnMap(plan, kept->replan.origin, kept->site_map);
+  const auto found = stored.maps.flight_maps().Find(stored.storage, map.id);
+  if (!found || !IsJudge(found->memory, found->aircraft)) return std::nullopt;
+  return GroundOnFlightMap(stored, plan, *found, layers);
 }
 
 // Of a plan that breaks a rule on the later map.
@@ -89,32 +82,12 @@ std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
   return Judged(plan, check, own, with_cues.value_or(*shown));
 }
 
-std::optional<PlanCheck> CheckPlanOn(const StoredPlan& plan,
-                                     const ShownGround& ground,
-                                     const SiteRow& judge,
-                                     const OwnGround& own) {
-  const FlightRequest flight = ParseReplan(judge.replan_json).flight;
-  if (!IsJudge(flight.memory, flight.aircraft)) return std::nullopt;
-  const PlanCheck check = CheckPlan(plan, ground.origin, ground.rasters.site_map);
-  if (check.verdict != PlanVerdict::kFails) return check;
-  return Judged(plan, check, own, ground);
-}
-
 std::optional<ShownGround> OwnGroundOf(const StoredSites& stored,
                                        const SiteRow& site,
-                                       const StoredPlan& plan,
-                                       const std::string& new_map_blob) {
-  if (!site.map_id.empty()) {
-    const auto map = stored.maps.flight_maps().Find(stored.storage, site.map_id);
-    if (!map) return std::nullopt;
-    return GroundOnFlightMap(stored, plan, *map, TileLayers::kPlanning);
-  }
-  if (!new_map_blob.empty()) {
-    return GroundOfOwnMap(plan, plan.replan.origin, DeserializeSiteMap(new_map_blob));
-  }
-  const auto kept = stored.maps.Get(stored.storage, site.id, site.updated_at_us);
-  if (!kept) return std::nullopt;
-  return GroundOfOwnMap(plan, plan.replan.origin, kept->site_map);
+                                       const StoredPlan& plan) {
+  const auto map = stored.maps.flight_maps().Find(stored.storage, site.map_id);
+  if (!map) return std::nullopt;
+  return GroundOnFlightMap(stored, plan, *map, TileLayers::kPlanning);
 }
 
 Plan CheckedAround(Plan plan,
@@ -128,9 +101,7 @@ Plan CheckedAround(Plan plan,
   replan.flight.aircraft = aircraft;
   replan.request.wind_in_world = wind_in_world;
   const StoredPlan as_stored = AsStoredPlan(plan, std::move(replan));
-  const OwnGround own = [&] {
-    return GroundOfOwnMap(as_stored, site.replan.origin, site.site_map);
-  };
+  const OwnGround own = [&] { return GroundUnder(as_stored, site.replan.origin, site.site_map); };
   for (const auto& map : site.other_maps) {
     if (!MayBeLater(*map, site.row)) continue;
     const auto check = CheckPlanOn(stored, as_stored, *map, own);

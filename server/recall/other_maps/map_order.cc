@@ -15,7 +15,6 @@ bool MayBeLater(const MapRow& map, const SiteRow& site) {
 
 bool IsLaterThanMap(const StoredSites& stored, const MapRow& map, const SiteRow& site) {
   if (!IsLater(map, site)) return false;
-  if (site.map_id.empty()) return true;
   const auto own = stored.maps.flight_maps().Find(stored.storage, site.map_id);
   return !own || IsLater(SeenOf(map), SeenOf(own->row));
 }

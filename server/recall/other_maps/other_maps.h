@@ -63,17 +63,10 @@ std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
                                      const StoredPlan& plan,
                                      const MapRow& map,
                                      const OwnGround& own);
-// The same on ground of a site's own map that is not stored yet.
-std::optional<PlanCheck> CheckPlanOn(const StoredPlan& plan,
-                                     const ShownGround& ground,
-                                     const SiteRow& judge,
-                                     const OwnGround& own);
-// The ground under the plan on the site's map, which may be staged. `new_map_blob`: a map of its
-// own that is not stored yet.
+// The ground under the plan on the site's map, which may be staged. Nothing if it has none.
 std::optional<ShownGround> OwnGroundOf(const StoredSites& stored,
                                        const SiteRow& site,
-                                       const StoredPlan& plan,
-                                       const std::string& new_map_blob);
+                                       const StoredPlan& plan);
 
 // The plan, rejected if its circle meets an obstacle beyond the edge of the site's map, or if it
 // fails on a later map; unverified, with a detail, if a later map doubts it. It was made on the

@@ -55,7 +55,7 @@ NearbyMaps MapsAround(const StoredSites& stored,
   }
   for (const auto& row : rows) {
     stored.stop_if_unwanted();
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
     if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
     auto patch = patches.PatchOf(*row, terrain, frame);
     if (!patch) continue;

@@ -196,9 +196,11 @@ GeoPoint ReachFrame::ToGeo(const Eigen::Vector2d& place_in_frame) const {
 
 std::shared_ptr<const GroundPatch> GroundPatches::PatchOf(
     const MapRow& row, const std::shared_ptr<const KeptTerrain>& terrain, const ReachFrame& frame) {
+  // A stored map never changes.
+  constexpr int64_t kVersion = 0;
   {
     const std::lock_guard lock(mutex_);
-    const auto* const kept = patches_.Find(row.id, row.updated_at_us);
+    const auto* const kept = patches_.Find(row.id, kVersion);
     if (kept != nullptr && (*kept)->terrain.lock() == terrain &&
         (*kept)->anchor.latitude_deg == frame.anchor().latitude_deg &&
         (*kept)->anchor.longitude_deg == frame.anchor().longitude_deg) {
@@ -208,7 +210,7 @@ std::shared_ptr<const GroundPatch> GroundPatches::PatchOf(
   auto patch = std::make_shared<const GroundPatch>(MakePatch(terrain, frame));
   if (!std::isfinite(patch->lowest)) return nullptr;
   const std::lock_guard lock(mutex_);
-  patches_.Keep(row.id, row.updated_at_us, 5 * patch->top.total(), patch);
+  patches_.Keep(row.id, kVersion, 5 * patch->top.total(), patch);
   return patch;
 }
 

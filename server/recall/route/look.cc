@@ -42,7 +42,7 @@ std::optional<double> HighestSiteNear(const StoredSites& stored, const Emergency
 
 bool IsSeen(const StoredSites& stored, const GeoPoint& place) {
   for (const auto& row : stored.storage.sites.ListMaps(BoxAround(place, 0.0))) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
     if (!terrain || !terrain->CountsFor(std::nullopt)) continue;
     const Eigen::Vector3d in_world = LocalFrame(terrain->origin).WorldFromGeo(place);
     if (IsSeenBelow(*terrain, in_world, in_world)) return true;

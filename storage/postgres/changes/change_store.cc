@@ -60,9 +60,8 @@ PostgresRows RowsAfter(PostgresConnection& connection,
 int64_t HighestNumber(PostgresConnection& connection) {
   return connection
       .Run(
-          "SELECT greatest((SELECT coalesce(max((SELECT number FROM changes WHERE organisation = "
-          "name ORDER BY number DESC LIMIT 1)), 0) FROM organisations), "
-          "(SELECT forgotten_through FROM feed))")[0]
+          "SELECT greatest((SELECT max(number) FROM changes), (SELECT forgotten_through FROM "
+          "feed))")[0]
       .Int(0);
 }
 
@@ -147,7 +146,7 @@ void PostgresChangeStore::PutRemoval(const ChangeRow& removal) {
   writer->Run(
       "INSERT INTO changes AS known (subject, id, number, kind, changed_at_us, stamp_us, west_deg, "
       "south_deg, east_deg, north_deg, origin) VALUES ($1, $2, nextval('change_numbers'), $3, $4, "
-      "$5, -180, -90, 180, 90, $6) ON CONFLICT (organisation, subject, id) DO UPDATE SET number = "
+      "$5, -180, -90, 180, 90, $6) ON CONFLICT (subject, id) DO UPDATE SET number = "
       "excluded.number, stamp_us = excluded.stamp_us, changed_at_us = excluded.changed_at_us "
       "WHERE known.kind >= 4 AND known.stamp_us < excluded.stamp_us",
       SubjectOf(removal.key),

@@ -41,8 +41,7 @@ int64_t CountOf(const Connection& connection, const char* sql) {
 void CopySite(const Connection& from, const Connection& to, const std::string& id) {
   const auto site = On(from, [&](const Connection& c) { return FindWholeSiteRow(c, id); });
   if (!site) return (void)On(to, [&](const Connection& c) { return DeleteSiteRows(c, id); });
-  const auto map = On(from, [&](const Connection& c) { return ReadMapBlob(c, id).value_or(""); });
-  On(to, [&](const Connection& c) { PutSiteRows(c, *site, map); });
+  On(to, [&](const Connection& c) { PutSiteRows(c, *site); });
 }
 
 void CopyObstacle(const Connection& from, const Connection& to, const std::string& id) {

@@ -55,7 +55,7 @@ TEST_CASE("stored site: the strip of the ground roll has its corners once, or no
   CHECK(site.ground_roll[3].altitude_m == 4.0);
 }
 
-TEST_CASE("stored site: an older program's approach has no go-around, and is read") {
+TEST_CASE("stored site: an approach without a go-around is read") {
   const KnownSite known = MakeSite({});
   nlohmann::json approach = nlohmann::json::parse(known.approach_json);
   approach["features"].erase(approach["features"].size() - 1);

@@ -14,7 +14,7 @@
 namespace freelsd {
 
 struct Ablations {
-  // How each step is switched off: {name: {"options": merged into the flight's options, "aircraft":
+  // How each step is switched off: {name: {"options": merged into the engine's options, "aircraft":
   // merged into the aircraft}, ...}.
   nlohmann::json steps;
   // Of the run itself.

@@ -65,7 +65,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       [&campaign](const std::string& path) {
         campaign.engine_options = nlohmann::json::parse(ReadTextFile(path));
       },
-      "JSON file with options of the engine, as a flight's `options` has them");
+      "JSON file with options of the engine: {preset: name, stage: {field: value}}");
   app.add_option("--pictures", campaign.pictures, "folder for photographs with outlines and sites");
   app.add_option("--model", arguments.model, "grass classifier, instead of the options' own")
       ->check(CLI::ExistingFile);

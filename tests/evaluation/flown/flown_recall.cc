@@ -66,7 +66,7 @@ EmergencyRequest RandomRequest(const World& world, std::mt19937& random) {
 RecalledWorld::RecalledWorld(const StoredSites& stored, const Mosaic& mosaic)
     : stored_(stored), mosaic_(mosaic) {
   for (const auto& row : stored.storage.sites.ListMaps(kEverywhere)) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
     if (terrain) terrains_.push_back(terrain);
   }
 }

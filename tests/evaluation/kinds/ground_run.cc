@@ -7,8 +7,7 @@ namespace {
 PipelineOptions WithoutRules(PipelineOptions options) {
   CoverOptions& cover = options.hazard.cover;
   cover.min_rut_contrast = cover.min_row_strength = cover.min_detail_ratio = 0.0;
-  cover.min_raised_step_m = cover.min_overreach_deviations = 0.0;
-  cover.min_object_deviations = cover.min_fence_deviations = 0.0;
+  cover.min_overreach_deviations = cover.min_object_deviations = cover.min_fence_deviations = 0.0;
   cover.photo.max_photo_disagreement = 0.0;
   return options;
 }

@@ -150,8 +150,7 @@ TEST_CASE("changes over HTTP: what is wrong is refused by its place, and changes
            {"/site/recall/is_landable", 1},
            {"/site/replan", nlohmann::json::object()},
            {"/site/standing", nullptr},
-           {"/site/map_box", {1, 2, 3}},
-           {"/site/own_map", "no base64"}}) {
+           {"/site/map_box", {1, 2, 3}}}) {
     const std::string place = pointer;
     CAPTURE(place);
     const httplib::Result result = post(with(pointer, value));

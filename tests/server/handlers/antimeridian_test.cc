@@ -59,7 +59,9 @@ void CheckCut(const nlohmann::json& answer) {
 void StoreMeadowAcross(Storage& storage) {
   FlightRow flight;
   flight.id = "g";
-  flight.request_json = R"({"name":"g","altitude_datum":"amsl","aircraft":{"profile":"small"}})";
+  flight.request_json =
+      ParseFlightRequest(R"({"name":"g","altitude_datum":"amsl","aircraft":{"profile":"small"}})")
+          .canonical_json;
   storage.flights.Insert(flight);
   const FlightMapRow map =
       StageMeadowMap(storage, Meadow(), "g", 1600000000000000, std::nullopt, kAntimeridianDeg);

@@ -16,9 +16,9 @@ nlohmann::json Posted(httplib::Client& client, const std::string& request) {
 
 TEST_CASE("flight options: the preset is told by the flight, with what was given beside it") {
   FreshServer fresh;
-  const nlohmann::json flight =
-      Posted(fresh.client, R"({"name":"x","options":{"preset":"paper","wind":{"radius_m":200}}})");
-  const nlohmann::json given{{"preset", "paper"}, {"wind", {{"radius_m", 200.0}}}};
+  const nlohmann::json flight = Posted(
+      fresh.client, R"({"name":"x","options":{"preset":"paper","terrain":{"cell_size_m":2}}})");
+  const nlohmann::json given{{"preset", "paper"}, {"terrain", {{"cell_size_m", 2.0}}}};
   CHECK(flight.at("options") == given);
   const auto stored = fresh.client.Get("/v1/flights/" + flight.at("id").get<std::string>());
   REQUIRE(stored);
@@ -35,6 +35,16 @@ TEST_CASE("flight options: an unknown preset is a problem of its field") {
       Posted(fresh.client, R"({"name":"x","options":{"preset":"ours"}})");
   CHECK(problem.at("status") == 422);
   CHECK(problem.dump().find("/options/preset") != std::string::npos);
+}
+
+TEST_CASE("flight options: a field of the engine that is no option any more is told as such") {
+  FreshServer fresh;
+  const std::string request = R"({"name":"x","options":{"wind":{"radius_m":200}}})";
+  const auto result = fresh.client.Post("/v1/flights", request, "application/json");
+  CheckProblem(result, 422, "RetiredOption");
+  const nlohmann::json problem = nlohmann::json::parse(result->body);
+  CHECK(problem.at("detail") == "wind.radius_m: is no longer an option of a request");
+  CHECK(problem.at("errors").at(0).at("pointer") == "/options/wind/radius_m");
 }
 
 TEST_CASE("flight options: memory is kept unless an option can change a verdict, and says why") {
@@ -55,8 +65,8 @@ TEST_CASE("flight options: memory is kept unless an option can change a verdict,
   CHECK(memory_of(R"(,"options":{"backend":{"backend_period_frames":7}})") ==
         "keep: it is the default");
   CHECK(memory_of(R"(,"options":{"preset":"paper"})") == "none: preset paper is an experiment");
-  CHECK(memory_of(R"(,"options":{"hazard":{"min_rut_contrast":0}})") ==
-        "none: hazard.min_rut_contrast differs from its default and can change a verdict");
+  CHECK(memory_of(R"(,"options":{"terrain":{"cell_size_m":2}})") ==
+        "none: terrain.cell_size_m differs from its default and can change a verdict");
   CHECK(memory_of(R"(,"options":{"preset":"paper"},"memory":"keep")") ==
         "keep: the request says so");
   CHECK(memory_of(R"(,"memory":"none")") == "none: the request says so");
@@ -69,23 +79,10 @@ TEST_CASE("flight options: memory is kept unless an option can change a verdict,
 TEST_CASE("flight options: the service says which options can change a verdict") {
   FreshServer fresh;
   const nlohmann::json options = GetJson(fresh.client, "/v1/info").at("options");
-  CHECK(options.at("hazard").at("min_grass_posterior").at("changes_verdicts") == true);
+  CHECK(options.at("preset").at("changes_verdicts") == true);
+  CHECK(options.at("terrain").at("cell_size_m").at("changes_verdicts") == true);
   CHECK(options.at("adjustment").at("num_threads").at("changes_verdicts") == false);
   CHECK(options.at("backend").at("backend_period_frames").at("changes_verdicts") == false);
-}
-
-TEST_CASE("flight options: a stored flight of an earlier version is an experiment by its preset") {
-  const FlightRequest paper =
-      ParseStoredFlightRequest(R"({"name":"x","options":{"preset":"paper"}})");
-  CHECK_FALSE(paper.memory.is_kept);
-  // Its version may have had other defaults.
-  const FlightRequest other =
-      ParseStoredFlightRequest(R"({"name":"x","options":{"hazard":{"min_rut_contrast":0}}})");
-  CHECK(other.memory.is_kept);
-  const FlightRequest again = ParseStoredFlightRequest(paper.canonical_json);
-  CHECK_FALSE(again.memory.is_kept);
-  CHECK(again.memory.reason == paper.memory.reason);
-  CHECK_FALSE(ParseStoredFlight(paper.canonical_json).memory.is_kept);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/server/meadow.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -46,7 +47,7 @@ struct KeptServer {
   explicit KeptServer(const std::vector<Kept>& sites)
       : meadow([&sites](Storage& storage) {
           storage.sites.Delete("f-r1");
-          for (const Kept& kept : sites) storage.sites.Put(RowOf(kept), "");
+          for (const Kept& kept : sites) PutWithoutMap(storage, RowOf(kept));
         }) {}
 
   nlohmann::json List(const std::string& more = "") const {

@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include "tests/server/meadow.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -72,7 +73,7 @@ void StoreSites(Storage& storage) {
     feature["properties"]["verdict"] = verdicts[i % 3];
     feature["properties"]["score"] = 1.0 / (i + 3);
     site.feature_json = feature.dump();
-    storage.sites.Put(site, "");
+    PutWithoutMap(storage, site);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "api/export/layers/layers.h"
 #include "tests/server/meadow.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -75,8 +76,7 @@ SiteMap Clearing() {
 }
 
 TEST_CASE("results: where no climb clears there is no go-around, and no point of no return") {
-  const MeadowServer meadow(
-      [](Storage& storage) { storage.sites.Put(MeadowSite(), SerializeSiteMap(Clearing())); });
+  const MeadowServer meadow([](Storage& storage) { PutOnMap(storage, MeadowSite(), Clearing()); });
   const nlohmann::json approach =
       GetJson(*meadow.client, "/v1/sites/f-r1/approach?wind_east_mps=0&wind_north_mps=-4");
   for (const nlohmann::json& feature : approach["features"]) {
@@ -94,9 +94,9 @@ TEST_CASE("results: every list tells when the ground was photographed, never the
     site.seen_at_us = now_us - 9 * kDayUs;
     site.confirmed_at_us = now_us - 3 * kDayUs;
     site.is_checked = true;
-    // Stored now, by an older program that knew no last_seen_at.
+    // The age of the row is not the ground's.
     site.updated_at_us = now_us;
-    storage.sites.Put(site, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, site, Meadow());
   });
   const std::string seen_at = Rfc3339(now_us - 3 * kDayUs);
   const std::string near = "latitude_deg=46.9955&longitude_deg=8&altitude_m=800&heading_deg=0";

@@ -7,6 +7,7 @@
 #include "tests/api/export/sites/readers.h"
 #include "tests/server/meadow.h"
 #include "tests/server/sample_flight.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -254,8 +255,7 @@ TEST_CASE("telemetry: a wind between the frames counts in the wind of a region")
 }
 
 TEST_CASE("alternates: the best sites from the latest pose stand ready, and follow it") {
-  MeadowServer meadow(
-      [](Storage& storage) { storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow())); });
+  MeadowServer meadow([](Storage& storage) { PutOnMap(storage, MeadowSite("amsl"), Meadow()); });
   httplib::Client& client = *meadow.client;
   const auto made =
       client.Post("/v1/flights",

@@ -2,6 +2,7 @@
 
 #include "tests/server/meadow.h"
 #include "tests/server/openapi_check.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -43,9 +44,7 @@ SiteMap MeadowWithHouse() {
 }
 
 MeadowServer ServerWithHouse() {
-  return MeadowServer([](Storage& storage) {
-    storage.sites.Put(MeadowSite(), SerializeSiteMap(MeadowWithHouse()));
-  });
+  return MeadowServer([](Storage& storage) { PutOnMap(storage, MeadowSite(), MeadowWithHouse()); });
 }
 
 TEST_CASE("why not here: each place gets the planner's rule that it breaks, with numbers") {

@@ -126,7 +126,7 @@ TEST_CASE("job progress: a job that ran before a restart waits, and does not tel
     Storage storage(StorageAt(folder.path() / "data"));
     FlightRow flight;
     flight.id = "f-1";
-    flight.request_json = "{}";
+    flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
     // No frame will come, so the job stays.
     storage.flights.Insert(flight);
     JobRow job;

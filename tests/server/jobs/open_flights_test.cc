@@ -19,7 +19,7 @@ OpenFlights::SessionPointer SomeSession() {
   flight_rig.rig.camera = PaperCamera(320, 240);
   FlightRow flight;
   flight.id = std::string("f");
-  flight.request_json = R"({"name":"x"})";
+  flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
   flight.rig_json = FlightRigJson(flight_rig);
   const Classifier classifier = Classifier::Parse(text);
   return std::make_shared<FlightSession>(flight, Classifiers{classifier, classifier});
@@ -30,7 +30,7 @@ TEST_CASE(
   const TemporaryFolder folder;
   const Storage storage(StorageAt(folder.path()));
   const OpenFlights::SessionPointer session = SomeSession();
-  OpenFlights flights([&](const std::string&) -> const Storage& { return storage; }, 1);
+  OpenFlights flights(storage, 1);
   REQUIRE(flights.MayOpen("m"));
   flights.Open("m", session);
   CHECK(flights.MayOpen("m"));

@@ -13,6 +13,7 @@
 #include "server/intake/telemetry.h"
 #include "tests/server/meadow.h"
 #include "tests/server/sample_flight.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -49,9 +50,7 @@ bool HasWarning(const nlohmann::json& answer, const std::string& part) {
   return answer["warnings"].dump().find(part) != std::string::npos;
 }
 
-void StoreAmslMeadow(Storage& storage) {
-  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
-}
+void StoreAmslMeadow(Storage& storage) { PutOnMap(storage, MeadowSite("amsl"), Meadow()); }
 
 // A second and a third place, so far north of the first.
 void StoreThreeMeadows(Storage& storage) {
@@ -59,7 +58,7 @@ void StoreThreeMeadows(Storage& storage) {
   for (int i = 2; i <= 3; ++i) {
     SiteRow site = MeadowSite("amsl", 700.0 * (i - 1));
     site.id = "f-r" + std::to_string(i);
-    storage.sites.Put(site, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, site, Meadow());
   }
 }
 
@@ -86,7 +85,7 @@ TEST_CASE("alternates: a flight that is never silent does not starve the others"
   for (const char* const id : {"a", "b", "c"}) {
     FlightRow flight;
     flight.id = id;
-    flight.request_json = R"({"name":"x"})";
+    flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
     storage.flights.Insert(flight);
   }
   Alternates alternates(storage, maps, events, 3);
@@ -316,7 +315,9 @@ TEST_CASE("alternates: new, changed and superseded sites count at once, also of 
   EventLog events;
   FlightRow row;
   row.id = std::string("x");
-  row.request_json = R"({"name":"x","altitude_datum":"amsl","aircraft":{"profile":"small"}})";
+  row.request_json =
+      ParseFlightRequest(R"({"name":"x","altitude_datum":"amsl","aircraft":{"profile":"small"}})")
+          .canonical_json;
   storage.flights.Insert(row);
   storage.telemetry.Put("x", ParseTelemetryLine(LineAt(1700000000000000, 900.0)));
   Alternates alternates(storage, maps, events, 3);
@@ -334,7 +335,7 @@ TEST_CASE("alternates: new, changed and superseded sites count at once, also of 
   Standing superseded;
   superseded.superseded_by = std::string("g-r1");
   superseded.is_checked = true;
-  storage.sites.Put(newer, SerializeSiteMap(Meadow()), {{"f-r1", superseded}});
+  PutOnMap(storage, newer, Meadow(), {{"f-r1", superseded}});
   CHECK(ids() == std::vector<std::string>{"g-r1"});
   Standing free;
   free.is_checked = true;

@@ -11,6 +11,7 @@
 #include "tests/server/meadow.h"
 #include "tests/server/recall/emergency_query.h"
 #include "tests/server/sample_flight.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -122,7 +123,7 @@ TEST_CASE("nothing in reach beside a field: a rejected site's map on the way tak
       SiteRow row = SiteOf("g", datum);
       row.recall.reset();
       row.map_datum = datum;
-      storage.sites.Put(row, SerializeSiteMap(hill));
+      PutOnMap(storage, row, hill);
     };
   };
   const std::string path = Query(700.0, kCalmNorth);
@@ -145,9 +146,8 @@ TEST_CASE("nothing in reach beside a field: a rejected site's map on the way tak
 
 TEST_CASE("nothing in reach beside a field: between two known datums lies the geoid, no more") {
   for (const char* const stored : {"amsl", "ellipsoid"}) {
-    const MeadowServer meadow([stored](Storage& storage) {
-      storage.sites.Put(MeadowSite(stored), SerializeSiteMap(Meadow()));
-    });
+    const MeadowServer meadow(
+        [stored](Storage& storage) { PutOnMap(storage, MeadowSite(stored), Meadow()); });
     const auto margin_of = [&](const std::string& datum) {
       return MarginOf(*meadow.client, Query(800.0, kCalm + ("&altitude_datum=" + datum)));
     };
@@ -161,9 +161,8 @@ TEST_CASE("nothing in reach beside a field: between two known datums lies the ge
     CHECK(answer["warnings"].dump().find("datum") == std::string::npos);
   }
   // What the altitude gains brings a site into reach, however far the search looks.
-  const MeadowServer meadow([](Storage& storage) {
-    storage.sites.Put(MeadowSite("ellipsoid"), SerializeSiteMap(Meadow()));
-  });
+  const MeadowServer meadow(
+      [](Storage& storage) { PutOnMap(storage, MeadowSite("ellipsoid"), Meadow()); });
   const nlohmann::json gained = GetJson(*meadow.client, Query(465.0, kCalmNorth));
   INFO(gained.dump());
   REQUIRE(gained["sites"].size() == 1);

@@ -5,6 +5,7 @@
 
 #include "engine/geometry/geometry.h"
 #include "tests/server/recall/emergency_query.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -118,7 +119,7 @@ TEST_CASE("emergency: what is reachable stands before a way that cannot lose its
     StoreAmslMeadow(storage);
     SiteRow other = MeadowSite("amsl", 60.0);
     other.id = std::string("f-r2");
-    storage.sites.Put(other, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, other, Meadow());
   });
   const nlohmann::json reached = GetJson(*meadow.client, Query(600.0, kCalmNorth));
   for (const nlohmann::json& site : reached["sites"]) {
@@ -169,7 +170,7 @@ TEST_CASE("emergency: terrain is checked along the turn, not along the straight 
     SiteRow row = MeadowSite("amsl", -600.0);
     row.id = std::string("f-r9");
     row.recall.reset();
-    storage.sites.Put(row, SerializeSiteMap(ridge));
+    PutOnMap(storage, row, ridge);
   });
   const nlohmann::json north = GetJson(*meadow.client, Query(600.0, kCalmNorth));
   INFO(north.dump());

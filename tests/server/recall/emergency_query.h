@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/server/meadow.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 
@@ -17,9 +18,7 @@ inline std::string Query(double altitude_m, const std::string& more = "") {
 inline constexpr char kCalmNorth[] =
     "&wind_east_mps=0&wind_north_mps=0&heading_deg=0&altitude_datum=amsl";
 
-inline void StoreAmslMeadow(Storage& storage) {
-  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
-}
+inline void StoreAmslMeadow(Storage& storage) { PutOnMap(storage, MeadowSite("amsl"), Meadow()); }
 
 // An answer is cut short when planning takes too long; what was planned is kept, so that a busy
 // machine gets there in a few requests.

@@ -9,6 +9,7 @@
 #include "server/http/stamps.h"
 #include "server/jobs/staged_maps.h"
 #include "server/recall/recall.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -193,7 +194,7 @@ SiteRow SiteOf(const Flown& flown) {
   return AsRemembered(site, replan.flight.memory);
 }
 
-std::string MapOf(const Flown& flown) {
+SiteMap MapOf(const Flown& flown) {
   const LocalFrame frame(OriginOf(flown));
   GeoPoint touchdown = TouchdownOf(flown);
   touchdown.altitude_m += flown.altitude_error_m;
@@ -215,11 +216,13 @@ std::string MapOf(const Flown& flown) {
       made.layers.hazard(row, col) = uchar{kFree};
     }
   }
-  return SerializeSiteMap(made);
+  return made;
 }
 
 void Store(Storage& storage, MapCache& maps, const Flown& flown) {
-  StoreSite(storage, maps, SiteOf(flown), MapOf(flown));
+  EvaluationRows rows = RowsOnMap(storage, SiteOf(flown), MapOf(flown));
+  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
+  StoreEvaluation(storage, maps, *turn, std::move(rows));
 }
 
 }  // namespace freelsd

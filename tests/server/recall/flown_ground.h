@@ -67,8 +67,8 @@ FlightRow FlightOf(const Flown& flown);
 // else is given. The plan does not depend on the ground.
 SiteRow SiteOf(const Flown& flown);
 // 40 x 40 cells on the default size, about an origin that differs from flight to flight.
-std::string MapOf(const Flown& flown);
-// As the server stores it.
+SiteMap MapOf(const Flown& flown);
+// As the server stores it: in place of what the flight has said of the field so far.
 void Store(Storage& storage, MapCache& maps, const Flown& flown);
 
 }  // namespace freelsd

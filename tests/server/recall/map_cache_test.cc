@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/server/meadow.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -20,11 +21,11 @@ std::shared_ptr<const RecallRow> OnlyRow(const Storage& storage) {
 TEST_CASE("map cache: a plan stays when its map is dropped, but not for another wind or update") {
   const TemporaryFolder folder;
   Storage storage(StorageAt(folder.path()));
-  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
+  PutOnMap(storage, MeadowSite("amsl"), Meadow());
   SiteRow other = MeadowSite("amsl", 5000.0);
   other.id = std::string("f-r2");
   other.recall.reset();
-  storage.sites.Put(other, SerializeSiteMap(Meadow()));
+  PutOnMap(storage, other, Meadow());
   // Room for one map.
   MapCache maps({1, 1});
   const auto row = OnlyRow(storage);
@@ -55,13 +56,14 @@ TEST_CASE(
   for (int row = 0; row < 600; ++row) {
     for (int col = 0; col < 600; ++col) {
       bumpy.map.upper(row, col) = static_cast<float>((row * 7 + col * 13) % 23);
-      if ((row * 31 + col * 17) % 101 == 0) bumpy.map.upper(row, col) = std::nanf("");
+      if ((row * 31 + col * 17) % 101 != 0) continue;
+      bumpy.map.upper(row, col) = bumpy.map.num_points(row, col) = std::nanf("");
     }
   }
-  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(bumpy));
+  PutOnMap(storage, MeadowSite("amsl"), bumpy);
   MapCache maps({1, 1});
   const auto row = OnlyRow(storage);
-  const auto terrain = maps.TerrainOf(storage, row->site_id, row->updated_at_us);
+  const auto terrain = maps.TerrainOf(storage, row->map_id);
   REQUIRE(terrain);
   CHECK(terrain->grid.num_rows < 600);
   bool is_ever_lower = false, is_ever_seen = false;

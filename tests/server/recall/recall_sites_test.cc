@@ -6,6 +6,7 @@
 #include "tests/server/child.h"
 #include "tests/server/meadow.h"
 #include "tests/server/recall/emergency_query.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -112,7 +113,7 @@ TEST_CASE(
   const MeadowServer meadow([](Storage& storage) {
     SiteRow rejected = MeadowSite("amsl");
     rejected.recall.reset();
-    storage.sites.Put(rejected, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, rejected, Meadow());
   });
   CHECK(GetJson(*meadow.client, Query(2000.0, kCalmNorth))["sites"].empty());
   const MeadowServer other(StoreAmslMeadow);
@@ -143,7 +144,7 @@ TEST_CASE("emergency: terrain of a stored map on the way counts, also of a rejec
     SiteRow row = MeadowSite("amsl");
     row.id = std::string("f-r9");
     row.recall.reset();
-    storage.sites.Put(row, SerializeSiteMap(wall));
+    PutOnMap(storage, row, wall);
   };
   const MeadowServer free(StoreAmslMeadow);
   const MeadowServer walled(with_wall);
@@ -162,7 +163,7 @@ TEST_CASE("emergency: sites are ranked by margin, then verdict and score, up to 
       row.recall->score = 0.1 * i;
       row.updated_at_us = 1700000000000000;
       row.seen_at_us = row.updated_at_us;
-      storage.sites.Put(row, SerializeSiteMap(Meadow()));
+      PutOnMap(storage, row, Meadow());
     }
   });
   const nlohmann::json answer =
@@ -260,7 +261,7 @@ TEST_CASE("emergency: sites stay when their flight is deleted, unless they are t
     const MeadowServer meadow([](Storage& storage) {
       FlightRow flight;
       flight.id = std::string("f");
-      flight.request_json = R"({"name":"x"})";
+      flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
       storage.flights.Insert(flight);
       StoreAmslMeadow(storage);
     });
@@ -278,7 +279,7 @@ TEST_CASE("emergency: a superseded site is not recalled") {
     SiteRow later = MeadowSite("amsl");
     later.id = std::string("g-r1");
     later.flight_id = std::string("g");
-    storage.sites.Put(later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
+    PutOnMap(storage, later, Meadow(), {{"f-r1", SupersededBy("g-r1")}});
   });
   const nlohmann::json answer = GetJson(*meadow.client, Query(900.0, kCalmNorth));
   REQUIRE(answer["sites"].size() == 1);
@@ -306,7 +307,7 @@ TEST_CASE("emergency: an area's sites are exported to preload an aircraft, none 
         REQUIRE(plan.approach);
         const FlightContext context{"f", "amsl", LocalFrame(replan.origin)};
         site.approach_json = ApproachJson(plan, context).dump();
-        storage.sites.Put(site, SerializeSiteMap(map));
+        PutOnMap(storage, site, map);
       },
       [](Config& config) {
         config.emergency = Address{"127.0.0.1", 0};

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/server/recall/emergency_query.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -13,7 +14,7 @@ TEST_CASE("emergency: bearing and distance lead to the touchdown of the answer's
   const auto elsewhere = [](Storage& storage) {
     SiteRow row = MeadowSite("amsl");
     row.latitude_deg += 0.0015;
-    storage.sites.Put(row, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, row, Meadow());
   };
   const MeadowServer meadow(elsewhere);
   for (const char* const wind : {"&wind_east_mps=3&wind_north_mps=0",
@@ -89,7 +90,7 @@ TEST_CASE("emergency: one place is told once, and a smaller limit begins like a 
       row.id = "g-r" + std::to_string(i);
       row.flight_id = "g";
       row.recall->score = 0.3 + 0.05 * i;
-      storage.sites.Put(row, SerializeSiteMap(Meadow()));
+      PutOnMap(storage, row, Meadow());
     }
   });
   const auto ids = [&](int limit) {
@@ -114,7 +115,7 @@ TEST_CASE("sites: lists and exports leave out what a later flight found otherwis
     later.feature_json = R"({"type":"Feature","geometry":null,"properties":{"id":"g-r1",)"
                          R"("verdict":"rejected","score":0.05}})";
     later.recall.reset();
-    storage.sites.Put(later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
+    PutOnMap(storage, later, Meadow(), {{"f-r1", SupersededBy("g-r1")}});
   });
   httplib::Client& client = *meadow.client;
   const auto ids = [&client](const std::string& path) {

@@ -55,7 +55,7 @@ Says OfPlan(Ground ground, bool is_strict_plan) {
   }
 }
 
-// Served, or the reason on record; or what doubts it.
+// Served, or the reason on record; or the flight that doubts it.
 struct Expected {
   std::string superseded_by;
   std::string doubted_by;
@@ -90,12 +90,14 @@ using Records = std::map<std::string, Expected>;
 
 class Model {
  public:
-  void Put(const Flown& flown) { stored_[IdOf(flown)] = flown; }
+  void Put(const Flown& flown) { stored_[IdOf(flown)] = maps_[IdOf(flown)] = flown; }
+  // The map stays.
   void Delete(const std::string& id) { stored_.erase(id); }
   // True if a site of the flight was left.
   bool ForgetFlight(const std::string& flight_id) {
-    return std::erase_if(stored_,
-                         [&](const auto& site) { return site.second.flight_id == flight_id; }) > 0;
+    const auto is_of_flight = [&](const auto& each) { return each.second.flight_id == flight_id; };
+    std::erase_if(stored_, is_of_flight);
+    return std::erase_if(maps_, is_of_flight) > 0;
   }
   bool IsEmpty() const { return stored_.empty(); }
   std::string Pick(size_t number) const {
@@ -140,37 +142,44 @@ class Model {
     return ids;
   }
 
-  // The strongest judge that says so of the site, and since when: the latest one; of those whose
-  // order is contested (0), the one with the greatest id. Empty if there is none. Times of two
-  // dated flights differ.
+  // The flight of the strongest map that says so of the site, and since when: the latest one; of
+  // those whose order is contested (0), the one with the greatest id. Empty if there is none. Times
+  // of two dated flights differ.
   std::pair<std::string, int64_t> Strongest(const Flown& site, Says wanted, Order order) const {
     std::pair<int64_t, std::string> strongest{0, ""};
-    for (const auto& [id, map] : stored_) {
+    for (const auto& [id, map] : maps_) {
       const bool is_judge = map.place == site.place && map.flight_id != site.flight_id &&
                             !map.is_experiment && !map.is_loose &&
                             OrderFor(wanted, map, site) == order;
       if (!is_judge || OfPlan(map.ground, site.is_strict) != wanted) continue;
-      strongest = std::max(strongest, {order == Order::kLater ? map.seen_at_us : 0, id});
+      strongest = std::max(strongest, {order == Order::kLater ? map.seen_at_us : 0, map.flight_id});
     }
     return {strongest.second, strongest.first};
+  }
+  // The flight's site at this place, else the flight.
+  std::string NameOf(const std::string& flight_id, const Flown& there) const {
+    Flown shown = there;
+    shown.flight_id = flight_id;
+    return stored_.contains(IdOf(shown)) ? IdOf(shown) : flight_id;
   }
 
   Expected OfSite(const Flown& site) const {
     const auto confirmed = Strongest(site, Says::kHolds, Order::kLater);
     const int64_t last_seen_us = std::max(site.seen_at_us, confirmed.second);
     for (const Order order : {Order::kLater, Order::kContested}) {
-      const auto [id, at_us] = Strongest(site, Says::kFails, order);
-      if (!id.empty()) return {id, "", at_us, last_seen_us};
+      const auto [flight_id, at_us] = Strongest(site, Says::kFails, order);
+      if (!flight_id.empty()) return {NameOf(flight_id, site), "", at_us, last_seen_us};
     }
     for (const Order order : {Order::kContested, Order::kLater}) {
-      const auto [id, at_us] = Strongest(site, Says::kDoubts, order);
+      const auto [flight_id, at_us] = Strongest(site, Says::kDoubts, order);
       const bool is_settled = order == Order::kLater && at_us <= confirmed.second;
-      if (!id.empty() && !is_settled) return {"", id, at_us, last_seen_us};
+      if (!flight_id.empty() && !is_settled) return {"", flight_id, at_us, last_seen_us};
     }
     return {"", "", 0, last_seen_us};
   }
 
-  std::map<std::string, Flown> stored_;
+  // By id of the site, which each map has or had.
+  std::map<std::string, Flown> stored_, maps_;
 };
 
 Records RecordsOf(const Storage& storage) {
@@ -178,7 +187,7 @@ Records RecordsOf(const Storage& storage) {
   for (const SiteRow& row : storage.sites.List(std::nullopt, std::nullopt)) {
     if (row.approach_json.empty()) continue;
     records[row.id] = {row.superseded_by.value_or(""),
-                       row.IsDoubted() ? row.superseded_by_map : "",
+                       row.IsDoubted() ? row.JudgeId() : "",
                        row.superseded_at_us,
                        row.LastSeenUs()};
     const bool is_sure = !row.superseded_by && !row.IsDoubted();

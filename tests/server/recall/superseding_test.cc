@@ -7,6 +7,7 @@
 
 #include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -49,6 +50,10 @@ struct FieldServer : MeadowServer {
     const bool is_file =
         path.find("f=rally") != std::string::npos || path.find("f=plan") != std::string::npos;
     return answer->body.find(is_file ? "field of first" : "first-r1") != std::string::npos;
+  }
+  // With its map.
+  int Forget(const std::string& flight_id) const {
+    return client->Delete("/v1/flights/" + flight_id + "?forget_sites=true")->status;
   }
   // In lists, exports and recall alike.
   bool IsServed() const {
@@ -100,7 +105,7 @@ TEST_CASE("memory: a flight with a stricter aircraft erases nothing whose ground
   first.is_strict = true;
   const FieldServer field({first, Later(Ground::kSlope)});
   CHECK(field.IsServed());
-  CHECK(field.Site("first-r1")["doubted_by"] == "later-r1");
+  CHECK(field.Site("first-r1")["doubted_by"] == "later");
 }
 
 TEST_CASE(
@@ -134,7 +139,7 @@ TEST_CASE("memory: ground that is merely not recognised any more leaves the site
   const nlohmann::json site = field.Site("first-r1");
   CAPTURE(site.dump());
   CHECK(site["verdict"] == "unverified");
-  CHECK(site["doubted_by"] == "later-r1");
+  CHECK(site["doubted_by"] == "later");
   CHECK(site["doubted_at"] == kLaterText);
   CHECK(site["doubt_reason"] == "no_safe_touchdown");
   CHECK(site["doubt_detail"].get<std::string>().find(" m") != std::string::npos);
@@ -232,15 +237,18 @@ TEST_CASE("memory: what superseded a site is forgotten: the other later maps dec
                            Later(Ground::kTreeOnCircle, "latest", kLatest),
                            Later(Ground::kFree, "free", kLater + 1)});
   CHECK(field.Site("first-r1")["superseded_by"] == "latest-r1");
+  // The map of a deleted site stays.
   CHECK(field.client->Delete("/v1/sites/latest-r1")->status == 204);
+  CHECK(field.Site("first-r1")["superseded_by"] == "latest");
+  CHECK(field.Forget("latest") == 204);
   CHECK_FALSE(field.IsServed());
   CHECK(field.Site("first-r1")["superseded_by"] == "later-r1");
   CHECK(field.Site("first-r1")["superseded_reason"] == "approach_blocked");
-  CHECK(field.client->Delete("/v1/sites/later-r1")->status == 204);
+  CHECK(field.Forget("later") == 204);
   CHECK(field.IsServed());
   CHECK_FALSE(field.Site("first-r1").contains("superseded_reason"));
   CHECK(field.Site("first-r1")["last_seen_at"] == kLaterText);
-  CHECK(field.client->Delete("/v1/sites/free-r1")->status == 204);
+  CHECK(field.Forget("free") == 204);
   CHECK(field.Site("first-r1")["last_seen_at"] == "2020-09-13T12:26:40Z");
 }
 
@@ -279,16 +287,17 @@ TEST_CASE("memory: within a flight a new evaluation replaces what its old map sa
   CHECK(FieldServer({First(), own}).IsServed());
 }
 
-TEST_CASE("memory: sites of an older program are checked once at the start of the server") {
+TEST_CASE("memory: sites that are not checked yet are checked once at the start of the server") {
   const MeadowServer meadow([](Storage& storage) {
-    storage.sites.Put(SiteOf(First()), MapOf(First()));
+    PutOnMap(storage, SiteOf(First()), MapOf(First()));
     Flown neighbour = First();
     neighbour.flight_id = "other";
     neighbour.place = kPlace + 1;
     SiteRow wrongly = SiteOf(neighbour);
-    storage.sites.Put(SiteOf(Later(Ground::kTreeOnFinal)), MapOf(Later(Ground::kTreeOnFinal)));
+    const Flown later = Later(Ground::kTreeOnFinal);
+    PutOnMap(storage, SiteOf(later), MapOf(later));
     wrongly.superseded_by = std::string("later-r1");
-    storage.sites.Put(wrongly, MapOf(neighbour));
+    PutOnMap(storage, wrongly, MapOf(neighbour));
   });
   const auto is_superseded = [&meadow](const char* const id) {
     return GetJson(*meadow.client, std::string("/v1/sites/") + id)["properties"].contains(
@@ -314,7 +323,7 @@ SiteRow After(const Flown& first, const Flown& later) {
   return *storage.sites.Find(IdOf(first));
 }
 
-TEST_CASE("memory: a site's own map across the antimeridian supersedes at its own place") {
+TEST_CASE("memory: a map across the antimeridian supersedes at its own place") {
   for (const double longitude_deg : {179.9999, -179.9999}) {
     CAPTURE(longitude_deg);
     Flown first = First(), later = Later(Ground::kTreeOnFinal);

@@ -130,7 +130,8 @@ TEST_CASE("a building on an undated map counts: neither map replaces the other, 
       CHECK(mirrored.Site(id)["verdict"] == "rejected");
       CHECK(mirrored.OrderOfRecalled().find(id) == std::string::npos);
       // Once the other flight is forgotten, nothing speaks against the site.
-      CHECK(field.client->Delete("/v1/sites/" + id)->status == 204);
+      const std::string path = "/v1/flights/" + other.flight_id + "?forget_sites=true";
+      CHECK(field.client->Delete(path)->status == 204);
       CHECK(field.Site("first-r1")["verdict"] == "landable");
     }
   }

@@ -70,27 +70,6 @@ TEST_CASE("claims: each flight with work is claimed by one of two workers, the o
   CHECK(std::set<std::string>(claimed.begin(), claimed.end()).size() == kNumFlights);
 }
 
-TEST_CASE("claims: an organisation with many flights does not hold up one with a single flight") {
-  constexpr int kNumFlights = 100;
-  const StoragePlace place;
-  Storage one(AsWorker(place.OptionsOfOne()));
-  const std::unique_ptr<Storage> large = one.ForOrganisation("large");
-  const std::unique_ptr<Storage> small = one.ForOrganisation("small");
-  large->images.Write(kImage, "pixels");
-  small->images.Write(kImage, "pixels");
-  for (int i = 0; i < kNumFlights; ++i) InsertFlightWithFrame(*large, "large-" + std::to_string(i));
-  InsertFlightWithFrame(*small, "small");
-  CHECK(one.claims.ClaimNext()->flight_id == "large-0");
-  const std::optional<Claim> second = one.claims.ClaimNext();
-  REQUIRE(second);
-  CHECK(second->flight_id == "small");
-  CHECK(second->organisation == "small");
-  CHECK(one.claims.ClaimNext()->organisation == "large");
-  CHECK(one.claims.ListClaimed().size() == 3);
-  // A mark of the flight's end of a worker is the organisation's own to clear.
-  small->frames.SetState("small", "1", FrameState::kProcessed, "");
-}
-
 TEST_CASE("claims: only flights with work are claimed, and again after their release") {
   const StoragePlace place;
   Storage one(AsWorker(place.OptionsOfOne()));
@@ -137,7 +116,7 @@ TEST_CASE("claims: what a silent worker had goes to another, and the silent one 
   CHECK_THROWS_WITH_AS(silent.frames.SetState("f", "1", FrameState::kProcessed, ""),
                        doctest::Contains("lease was over"),
                        StorageError);
-  CHECK_THROWS_AS(silent.sites.Put(SomeSite("s", 50.0, 8.0), ""), StorageError);
+  CHECK_THROWS_AS(PutSite(silent, SomeSite("s", 50.0, 8.0)), StorageError);
   CHECK_THROWS_AS(silent.claims.ClaimNext(), StorageError);
   CHECK_FALSE(silent.claims.Renew());
   CHECK(other.claims.Renew());
@@ -172,7 +151,7 @@ TEST_CASE("claims: a write that a silent worker has begun is ended, so nobody wa
   const std::optional<Claim> taken = ClaimWithin(other, std::chrono::seconds(5));
   REQUIRE(taken);
   CHECK(taken->num_lost == 1);
-  CHECK_THROWS_AS(turn->Put(SomeSite("s", 50.0, 8.0), "", {}), StorageError);
+  CHECK_THROWS_AS(turn->PutEvaluation({{SomeSite("s", 50.0, 8.0)}, {}, {}, {}}, {}), StorageError);
   CHECK_FALSE(other.sites.Find("s"));
 }
 

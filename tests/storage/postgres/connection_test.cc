@@ -24,41 +24,30 @@ void ControlCluster(const std::string& command) {
   REQUIRE(std::system((control + (" " + command) + " >/dev/null 2>&1").c_str()) == 0);
 }
 
-TEST_CASE("postgres: a newer schema is refused and stays as it is") {
-  const StoragePlace place;
-  { Storage(place.options()).flights.Insert(SomeFlight("f")); }
-  place.Execute("INSERT INTO schema_migrations (version) VALUES (99)");
-  try {
-    const Storage storage(place.options());
-    FAIL("it was opened");
-  } catch (const StorageError& error) {
-    CHECK(error.fault == StorageFault::kNewer);
-    CHECK(std::string(error.what()).find("version 99") != std::string::npos);
+TEST_CASE("postgres: a schema of another number is refused with a sentence, and stays as it is") {
+  for (const std::string number : {"7", "9", "99"}) {
+    CAPTURE(number);
+    const StoragePlace place;
+    { Storage(place.options()).flights.Insert(SomeFlight("f")); }
+    const std::string content = place.Content();
+    place.Execute("UPDATE schema_migrations SET version = " + number);
+    const std::string before = place.Content();
+    CHECK(before != content);
+    try {
+      const Storage storage(place.options());
+      FAIL("it was opened");
+    } catch (const StorageError& error) {
+      const std::string text = error.what();
+      CHECK(error.fault == StorageFault::kOtherSchema);
+      CHECK(text.find("schema number " + number) != std::string::npos);
+      CHECK(text.find("number 8 only") != std::string::npos);
+      CHECK(text.find("POST the photographs of each flight again") != std::string::npos);
+    }
+    CHECK(place.Content() == before);
+    place.Execute("UPDATE schema_migrations SET version = 8");
+    CHECK(place.Content() == content);
+    CHECK(Storage(place.options()).flights.Find("f"));
   }
-  place.Execute("DELETE FROM schema_migrations WHERE version = 99");
-  CHECK(Storage(place.options()).flights.Find("f"));
-}
-
-TEST_CASE("postgres: nobody migrates a schema that others share") {
-  const StoragePlace place;
-  {
-    Storage former(place.OptionsOfOne());
-    place.Execute("DELETE FROM schema_migrations WHERE version >= 4");
-    CHECK_THROWS_WITH_AS(Storage{place.OptionsOfOther()},
-                         doctest::Contains("stop all servers of the former version"),
-                         StorageError);
-    former.flights.Insert(SomeFlight("f"));
-  }
-  place.Execute(
-      "ALTER TABLE sites DROP COLUMN seen_until_us; ALTER TABLE maps DROP COLUMN seen_until_us; "
-      "ALTER TABLE organisations DROP COLUMN has_unchecked_ground; DROP INDEX sites_by_aircraft; "
-      "DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP FUNCTION tell_change, "
-      "tell_site, "
-      "tell_map, tell_obstacle CASCADE");
-  Storage one(place.OptionsOfOther());
-  CHECK(one.flights.Find("f"));
-  CHECK(one.changes.LastNumber() == 0);
-  CHECK_NOTHROW(Storage{place.OptionsOfOne()});
 }
 
 TEST_CASE("postgres: a second process is refused unless the database is shared") {

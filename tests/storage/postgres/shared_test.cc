@@ -175,7 +175,7 @@ TEST_CASE("postgres: what another process changes of sites and obstacles is seen
   SiteRow site = SomeSite("f-r1", 50.0, 8.0);
   site.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
   const uint64_t before = one.sites.Version();
-  other.sites.Put(site, "map");
+  PutSite(other, site);
   CHECK(one.sites.Version() > before);
   CHECK(one.sites.ListRecallable(kAround).size() == 1);
   CHECK(one.sites.BoundsOfRecallable().min_altitude_m == 300.0);
@@ -279,7 +279,7 @@ TEST_CASE("postgres: a turn to change sites is one among all processes") {
     return other.sites.Find("own") ? other.sites.Version() : 0;
   });
   CHECK(seen.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout);
-  turn->Put(SomeSite("own", 50.0, 8.0), "", {});
+  turn->PutEvaluation({{SomeSite("own", 50.0, 8.0)}, {}, {}, {}}, {});
   CHECK(seen.get() == one.sites.Version());
 }
 
@@ -291,8 +291,9 @@ TEST_CASE("postgres: a turn whose connection was lost writes nothing, and the ne
   place.Execute(
       "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
       "WHERE state = 'idle in transaction'");
-  other.sites.Put(SomeSite("next", 50.0, 8.0), "");
-  CHECK_THROWS_AS(turn->Put(SomeSite("late", 50.0, 8.0), "", {}), StorageError);
+  PutSite(other, SomeSite("next", 50.0, 8.0));
+  CHECK_THROWS_AS(turn->PutEvaluation({{SomeSite("late", 50.0, 8.0)}, {}, {}, {}}, {}),
+                  StorageError);
   CHECK_FALSE(one.sites.Find("late"));
   CHECK(one.sites.Find("next"));
 }

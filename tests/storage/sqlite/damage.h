@@ -31,14 +31,16 @@ inline void Spoil(const std::filesystem::path& file, uint64_t begin, uint64_t si
   stream << std::string(size, '\xa5');
 }
 
-// Two sites, the first with a map, and a flight.
+// Two sites, the first on a map, and a flight.
 inline void StoreTwoSites(const std::filesystem::path& folder) {
   Storage storage(folder);
   storage.flights.Insert(SomeFlight("f"));
   SiteRow site = SomeSite("f-r1", 50.0, 8.0);
   site.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
-  storage.sites.Put(site, "map");
-  storage.sites.Put(SomeSite("f-r2", 50.1, 8.0), "");
+  site.map_id = "f/1";
+  storage.maps.Stage(SomeMap("f/1", "f", {7.9, 49.9, 8.1, 50.1}), {{{0, 0, 0}, "map"}}, {});
+  storage.sites.PutEvaluation({{site}, {}, {"f/1"}, {}}, {});
+  PutSite(storage, SomeSite("f-r2", 50.1, 8.0));
 }
 
 inline void WriteAt(const std::filesystem::path& file,
@@ -59,7 +61,7 @@ inline std::vector<std::string> AwaitNotices(const Storage& storage) {
 
 inline bool HasBoth(const Storage& storage) {
   return storage.sites.List(std::nullopt, std::nullopt).size() == 2 &&
-         storage.sites.ReadMap("f-r1") == "map" &&
+         storage.maps.ReadTile("f/1", {0, 0, 0}) == "map" &&
          storage.sites.ListRecallable({7.0, 49.0, 9.0, 51.0}).size() == 1;
 }
 

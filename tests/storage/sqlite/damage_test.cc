@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "storage/sqlite/migrations.h"
+#include "storage/sqlite/schema.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
@@ -34,8 +34,8 @@ TEST_CASE("damage: any byte of the head may be another, and both sites are recal
   }
 }
 
-TEST_CASE("damage: a newer version beside a copy of this one is none") {
-  const std::string next(1, static_cast<char>(kSchemaVersion + 1));
+TEST_CASE("damage: another number beside a copy of this one is none") {
+  const std::string next(1, static_cast<char>(kSchemaNumber + 1));
   for (const std::string& version : {next, std::string("\xff")}) {
     const TemporaryFolder folder;
     StoreTwoSites(folder.path());

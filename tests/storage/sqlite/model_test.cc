@@ -143,7 +143,7 @@ class Machine {
   void PutSite() {
     const SiteRow site = NewSite(SomeId("s"));
     Try(
-        "put site " + site.id, [&] { storage_->sites.Put(site, ""); }, [&] { Promise(site); });
+        "put site " + site.id, [&] { freelsd::PutSite(*storage_, site); }, [&] { Promise(site); });
   }
   void DeleteSite() {
     const std::string id = SomeId("s");

@@ -51,27 +51,6 @@ TEST_CASE("maps: a map across the antimeridian is found in the copy too, and now
   CheckFoundAcross(Storage(folder.path()));
 }
 
-TEST_CASE("maps: boxes around the earth that older programs stored are mended at the start") {
-  const TemporaryFolder folder;
-  const BoundingBox around{
-      kAcross.east_deg, kAcross.south_deg, kAcross.west_deg, kAcross.north_deg};
-  {
-    Storage storage(folder.path());
-    storage.maps.Stage(SomeMap("f/1", "f", around), {}, {});
-    SiteRow site = SomeSite("g-r1", -17.0, 179.95);
-    site.map_box = around;
-    storage.sites.Put(site, "map");
-    storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
-  }
-  for (int start = 0; start < 2; ++start) {
-    const Storage storage(folder.path());
-    CHECK(storage.sites.ListMaps({179.92, -17.0, 179.93, -17.0}).size() == 2);
-    CHECK(storage.sites.ListMaps({-179.97, -17.0, -179.96, -17.0}).size() == 2);
-    CHECK(storage.sites.ListMaps({0.0, -17.0, 1.0, -17.0}).empty());
-    CHECK(storage.maps.Find("f/1").has_value());
-  }
-}
-
 constexpr int64_t kNowUs = 1700000000000000;
 
 ObstacleRow SomeObstacle(const std::string& id, const std::string& feature = R"({"a":1})") {
@@ -104,11 +83,17 @@ TEST_CASE("obstacles: a change that reached the main database alone reaches the 
 TEST_CASE("second copy: a change of the same stamp reaches the copy after a kill, too") {
   const TemporaryFolder folder;
   const std::filesystem::path copy = folder.path() / "recall.db";
-  { Storage(folder.path()).sites.Put(SomeSite("s", 50.0, 8.0), ""); }
+  {
+    Storage storage(folder.path());
+    PutSite(storage, SomeSite("s", 50.0, 8.0));
+  }
   std::filesystem::copy_file(copy, folder.path() / "former");
   SiteRow changed = SomeSite("s", 50.0, 8.0);
   changed.feature_json = R"({"changed":1})";
-  { Storage(folder.path()).sites.Put(changed, ""); }
+  {
+    Storage storage(folder.path());
+    PutSite(storage, changed);
+  }
   // The process was killed between the two commits.
   std::filesystem::rename(folder.path() / "former", copy);
   { const Storage storage(folder.path()); }
@@ -183,16 +168,6 @@ TEST_CASE("obstacles: a row that was changed outside counts as damage, the copy'
   REQUIRE(storage.obstacles.Find("wire"));
   CHECK(storage.obstacles.Find("wire")->feature_json == R"({"a":1})");
   CHECK_FALSE(AwaitNotices(storage).empty());
-}
-
-TEST_CASE("second copy: one of an older program still has the sites when the database is damaged") {
-  const TemporaryFolder folder;
-  StoreTwoSites(folder.path());
-  Execute(folder.path() / "recall.db",
-          "DROP INDEX site_numbers_by_aircraft; ALTER TABLE sites DROP COLUMN seen_until_us; "
-          "ALTER TABLE maps DROP COLUMN seen_until_us; PRAGMA user_version = 9");
-  LoseMainDatabase(folder);
-  CHECK(HasBoth(Storage(folder.path())));
 }
 
 TEST_CASE(

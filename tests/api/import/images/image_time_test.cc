@@ -79,7 +79,7 @@ TEST_CASE("photographs without a usable date: the source of a time is stored, an
   CHECK(Merged(given, gps).time_source == TimeSource::kGps);
   given.timestamp_us = 5;
   CHECK(Merged(given, gps).time_source == TimeSource::kGiven);
-  // Rows of older programs are compared as text.
+  // The meta of clients is compared as text.
   CHECK(FrameMetaJson(given) == "{\"timestamp_us\":5}");
 }
 

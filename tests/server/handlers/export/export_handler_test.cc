@@ -7,6 +7,7 @@
 #include "tests/api/export/layers/hill_map.h"
 #include "tests/api/export/sites/readers.h"
 #include "tests/api/export/sites/sites.h"
+#include "tests/server/site_on_map.h"
 #include "tests/server/test_server.h"
 
 namespace freelsd {
@@ -28,21 +29,24 @@ struct SitesServer {
       FlightRow flight;
       flight.id = "f1";
       flight.name = "meadows";
-      flight.request_json = R"({"name":"meadows","altitude_datum":")" + datum + "\"}";
+      flight.request_json = RequestOf(datum).canonical_json;
       storage.flights.Insert(flight);
-      Put(storage, Verdict::kLandable, 1, datum, SerializeSiteMap(HillMap()), change);
-      Put(storage, Verdict::kUnverified, 2, datum, "");
-      Put(storage, Verdict::kRejected, 3, datum, "");
+      Put(storage, Verdict::kLandable, 1, datum, HillMap(), change);
+      Put(storage, Verdict::kUnverified, 2, datum, std::nullopt);
+      Put(storage, Verdict::kRejected, 3, datum, std::nullopt);
     }
     server = std::make_unique<TestServer>(TestConfig(folder.path() / "data"));
     client = std::make_unique<httplib::Client>(server->Client());
   }
 
+  static FlightRequest RequestOf(const std::string& datum) {
+    return ParseFlightRequest(R"({"name":"meadows","altitude_datum":")" + datum + "\"}");
+  }
   static void Put(Storage& storage,
                   Verdict verdict,
                   int region_id,
                   const std::string& datum,
-                  const std::string& map,
+                  const std::optional<SiteMap>& map,
                   const std::function<void(Replan&)>& change = {}) {
     KnownSiteOptions options;
     options.verdict = verdict;
@@ -50,8 +54,9 @@ struct SitesServer {
     options.altitude_datum = datum;
     const KnownSite known = MakeSite(options);
     Replan replan;
-    replan.flight = ParseFlightRequest(R"({"name":"meadows","altitude_datum":")" + datum + "\"}");
+    replan.flight = RequestOf(datum);
     replan.origin = options.origin;
+    replan.request.footprint = {{0, 0}, {20, 0}, {20, 20}, {0, 20}};
     if (change) change(replan);
     SiteRow row;
     row.id = "f1-r" + std::to_string(region_id);
@@ -63,7 +68,11 @@ struct SitesServer {
     row.approach_json = known.approach_json;
     row.replan_json = ReplanJson(replan);
     row.seen_at_us = kSeenAtUs;
-    storage.sites.Put(row, map);
+    if (map) {
+      PutOnMap(storage, row, *map);
+    } else {
+      PutWithoutMap(storage, row);
+    }
   }
 };
 
@@ -247,7 +256,7 @@ TEST_CASE("export: the plan of an unverified site warns of it before all else") 
 
 TEST_CASE("layers: grass is what the flight's own settings call grass, as in hazard") {
   const SitesServer sites([](Replan& replan) {
-    replan.flight = ParseFlightRequest(
+    replan.flight = ParseStoredFlightRequest(
         R"({"name":"strict","options":{"hazard":{"min_grass_posterior":0.999}}})");
   });
   const auto largest = [](const SitesServer& of) {

@@ -16,7 +16,8 @@ void StoreFlight(Storage& storage, bool has_picture) {
   FlightRow flight;
   flight.id = "f";
   flight.name = "a <b>meadow</b>";
-  flight.request_json = R"({"name":"meadow","aircraft":{"profile":"small"}})";
+  flight.request_json =
+      ParseFlightRequest(R"({"name":"meadow","aircraft":{"profile":"small"}})").canonical_json;
   flight.warnings_json = R"({"evaluation":["a warning"]})";
   storage.flights.Insert(flight);
   const PhotoLattice lattice{1.0, 512, 1};

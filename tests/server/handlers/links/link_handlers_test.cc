@@ -7,6 +7,7 @@
 #include "api/import/import.h"
 #include "tests/server/meadow.h"
 #include "tests/server/openapi_check.h"
+#include "tests/server/site_on_map.h"
 #include "tests/server/test_server.h"
 
 namespace freelsd {
@@ -31,15 +32,14 @@ httplib::Result Put(httplib::Client& client, const nlohmann::json& state) {
 // A meadow that is superseded, one that is not, and a rejected site; tokens of each scope.
 struct LinkServer {
   TemporaryFolder folder;
-  MeadowServer meadow{
-      [](Storage& storage) {
-        SiteRow later = MeadowSite();
-        later.id = std::string("g-r1");
-        later.flight_id = std::string("g");
-        later.approach_json = R"({"type":"FeatureCollection","features":[]})";
-        storage.sites.Put(later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
-      },
-      [this](Config& config) { config.token_file = TokenFile(); }};
+  MeadowServer meadow{[](Storage& storage) {
+                        SiteRow later = MeadowSite();
+                        later.id = std::string("g-r1");
+                        later.flight_id = std::string("g");
+                        later.approach_json = R"({"type":"FeatureCollection","features":[]})";
+                        PutOnMap(storage, later, Meadow(), {{"f-r1", SupersededBy("g-r1")}});
+                      },
+                      [this](Config& config) { config.token_file = TokenFile(); }};
   httplib::Client& client = *meadow.client;
 
   LinkServer() { HoldAgainstContract(client); }

@@ -9,6 +9,7 @@
 #include "tests/server/openapi_check.h"
 #include "tests/server/recall/emergency_query.h"
 #include "tests/server/recall/flown_ground.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -224,7 +225,7 @@ TEST_CASE("obstructed: an airspace ranks a site last and never hides the only on
     StoreAmslMeadow(storage);
     SiteRow second = MeadowSite("amsl", 1500.0);
     second.id = std::string("f-r3");
-    storage.sites.Put(second, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, second, Meadow());
   });
   HoldAgainstContract(*meadow.client);
   const auto ids = [&meadow](double altitude_m) {

@@ -9,6 +9,7 @@
 
 #include "tests/server/meadow.h"
 #include "tests/server/recall/emergency_query.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -64,7 +65,7 @@ void StoreMap(Storage& storage, const SiteMap& map, double north_m = 0.0) {
   row.id = std::string("f-r9");
   row.recall.reset();
   row.map_datum = "amsl";
-  storage.sites.Put(row, SerializeSiteMap(map));
+  PutOnMap(storage, row, map);
 }
 
 TEST_CASE("reach: over the meadow the ground is in reach, around it the terrain is unknown") {
@@ -122,16 +123,17 @@ TEST_CASE("reach: a hill on a stored map hides what lies behind it") {
 
 TEST_CASE("reach: unseen cells of a map are unknown terrain unless another map sees them") {
   SiteMap holed = Meadow();
-  holed.map.upper(cv::Rect(280, 400, 40, 40)) = std::numeric_limits<float>::quiet_NaN();
+  for (cv::Mat1f* const layer : {&holed.map.elevation, &holed.map.upper, &holed.map.num_points}) {
+    (*layer)(cv::Rect(280, 400, 40, 40)) = std::numeric_limits<float>::quiet_NaN();
+  }
   const Eigen::Vector2d in_hole(0.0, -120.0);
-  const MeadowServer alone(
-      [&](Storage& storage) { storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(holed)); });
+  const MeadowServer alone([&](Storage& storage) { PutOnMap(storage, MeadowSite("amsl"), holed); });
   const nlohmann::json answer = GetJson(*alone.client, ReachQuery(600.0));
   CHECK_FALSE(IsIn(answer, "reach", in_hole));
   CHECK(IsIn(answer, "unknown_terrain", in_hole));
   CHECK(IsIn(answer, "reach", {40.0, -120.0}));
   const MeadowServer both([&](Storage& storage) {
-    storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(holed));
+    PutOnMap(storage, MeadowSite("amsl"), holed);
     StoreMap(storage, Meadow());
   });
   CHECK(IsIn(GetJson(*both.client, ReachQuery(600.0)), "reach", in_hole));

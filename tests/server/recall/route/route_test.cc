@@ -8,6 +8,7 @@
 
 #include "tests/server/meadow.h"
 #include "tests/server/recall/emergency_query.h"
+#include "tests/server/site_on_map.h"
 
 namespace freelsd {
 namespace {
@@ -154,7 +155,7 @@ TEST_CASE("route check: gaps, the point of no return and their reasons") {
   const MeadowServer empty([](Storage& storage) {
     SiteRow rejected = MeadowSite("amsl");
     rejected.recall.reset();
-    storage.sites.Put(rejected, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, rejected, Meadow());
   });
   const nlohmann::json nothing = Check(*empty.client, Request(500.0));
   REQUIRE(nothing["gaps"].size() == 1);
@@ -173,7 +174,7 @@ TEST_CASE("route check: terrain on the way is its own reason") {
     SiteRow row = MeadowSite("amsl");
     row.id = std::string("f-r9");
     row.recall.reset();
-    storage.sites.Put(row, SerializeSiteMap(wall));
+    PutOnMap(storage, row, wall);
   });
   nlohmann::json request = Request(560.0);
   request["route"] = {PointAt(0.0, -500.0, 560.0), PointAt(0.0, -300.0, 560.0)};
@@ -227,7 +228,7 @@ TEST_CASE("route check: a strip where a look is proposed closes what is said") {
     SiteRow strip = MeadowSite("amsl", north_m);
     strip.id = "g-r1";
     strip.flight_id = "g";
-    storage.sites.Put(strip, SerializeSiteMap(Meadow()));
+    PutOnMap(storage, strip, Meadow());
   });
   CHECK(GapSeconds(Check(*with_strip.client, request)) <= look["gaps_left_s"].get<double>());
 }
