@@ -256,8 +256,9 @@ TEST_CASE("export: the plan of an unverified site warns of it before all else") 
 
 TEST_CASE("layers: grass is what the flight's own settings call grass, as in hazard") {
   const SitesServer sites([](Replan& replan) {
-    replan.flight = ParseStoredFlightRequest(
-        R"({"name":"strict","options":{"hazard":{"min_grass_posterior":0.999}}})");
+    nlohmann::json request = nlohmann::json::parse(replan.flight.canonical_json);
+    request["options"]["hazard"]["min_grass_posterior"] = 0.999;
+    replan.flight = ParseStoredFlightRequest(request.dump());
   });
   const auto largest = [](const SitesServer& of) {
     const nlohmann::json answer = GetJson(*of.client, "/v1/sites/f1-r1/layers");
