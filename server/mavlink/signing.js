@@ -2,11 +2,11 @@
 // https://mavlink.io/en/guide/message_signing.html
 
 import { timingSafeEqual } from 'node:crypto';
-import { readFileSync, writeFileSync, renameSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 
 import mavlink from 'node-mavlink';
 
-import { readState } from './state_file.js';
+import { readState, replaceFile } from './state_file.js';
 
 const { MavLinkPacketSignature, MavLinkProtocolV2 } = mavlink;
 
@@ -56,10 +56,7 @@ export class Signing {
     return undefined;
   }
 
-  save() {
-    writeFileSync(`${this.#path}.new`, JSON.stringify(Object.fromEntries(this.#newest)));
-    renameSync(`${this.#path}.new`, this.#path);
-  }
+  save() { replaceFile(this.#path, JSON.stringify(Object.fromEntries(this.#newest))); }
 
   // The packet, made to be signed, with our signature. A clock that was set back must not repeat a time.
   signed(packet, { linkId, now_ms = Date.now() }) {

@@ -11,7 +11,7 @@ const maxNumPoints = 5;
 const rallyHeight_m = 100;
 
 // sites: of an answer of /v1/emergency. ArduPilot stores whole metres above home.
-export function rallyItems(sites, home_altitude_m) {
+function rallyItems(sites, home_altitude_m) {
   const isFit = ({ reachable, verdict, altitude_datum, airspaces }) =>
     reachable !== false && verdict === 'landable' && altitude_datum === 'amsl' && !airspaces?.length;
   return sites.filter(isFit)
