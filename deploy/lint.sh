@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Checks the sources against the rules that a program can check.
 #
-#   deploy/lint.sh [--seconds N] [REVISION]   clang-tidy on what changed since REVISION: by default the last tag, or else
-#                                             20 commits ago
+#   deploy/lint.sh [--seconds N] [REVISION]   clang-tidy on what changed since REVISION: by default the last tag, or
+#                                             else 20 commits ago
 #   deploy/lint.sh --all                      clang-tidy on every file
 #
 # Both forms check format, length of files, number of files in a folder and comments of mutexes everywhere.

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
-# The parts of deploy/test.sh --long: which folders ask for them, and the register of their last runs. To be sourced after
-# steps.sh.
+# The parts of deploy/test.sh --long: which folders ask for them, and the register of their last runs. To be sourced
+# after steps.sh.
 
 readonly register=tests/LONG.md
 
@@ -46,7 +46,7 @@ tested_revision() {
 record() {
   local row rows
   row="| $1 | $(tested_revision) | $(date -u +%F) | $2 | ${3//|/ } |"
-  rows="$(awk -F ' *[|] *' -v part="$1" '/^\|/ && $2 != "part" && $2 !~ /^-/ && $2 != part' "$register" 2>/dev/null || true)"
+  rows="$(awk -F ' *[|] *' -v part="$1" '/^\|/ && $2 != "part" && $2 !~ /^-/ && $2 != part' "$register" || true)"
   {
     echo "# Long tests"
     echo

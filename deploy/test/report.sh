@@ -1,6 +1,6 @@
 # shellcheck shell=bash disable=SC2154
-# How test.sh and its long parts report: steps with their seconds, what was skipped, and how test programs are run. To be
-# sourced after steps.sh; `work` is a folder for logs.
+# How test.sh and its long parts report: steps with their seconds, what was skipped, and how test programs are run. To
+# be sourced after steps.sh; `work` is a folder for logs.
 
 summary=()
 started=0
@@ -60,7 +60,7 @@ build_without_warnings() {
   refuse_warnings "$work/build.log"
 }
 
-# run_program FOLDER NAME FILTER...: a program of doctest, all cases in one process. What it wrote is shown if it failed.
+# run_program FOLDER NAME FILTER...: a program of doctest, all cases in one process. If it fails, what it wrote is shown.
 run_program() {
   local program="$1/$2" name="${*:2}" log num_run num_there
   shift 2
