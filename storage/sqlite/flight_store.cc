@@ -1,8 +1,6 @@
 #include <limits>
 
 #include "storage/sqlite/flight_rows.h"
-#include "storage/sqlite/map_rows.h"
-#include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
 #include "storage/sqlite/stores.h"
 
