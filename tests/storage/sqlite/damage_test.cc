@@ -170,7 +170,7 @@ TEST_CASE("damage: the notice says how much was restored, and how old it is") {
   const Storage storage(folder.path());
   REQUIRE(storage.Notices().size() == 1);
   const std::string notice = storage.Notices()[0];
-  CHECK(notice.find("2 sites, 0 maps and 0 obstacles were restored") != std::string::npos);
+  CHECK(notice.find("2 sites, 1 map and 0 obstacles were restored") != std::string::npos);
   CHECK(notice.find("written last at 20") != std::string::npos);
 }
 
