@@ -26,6 +26,8 @@ constexpr char kBoxes[] =
     "AS box (west_deg, south_deg, east_deg, north_deg, part)";
 constexpr char kEnvelope[] = "ST_MakeEnvelope(west_deg, south_deg, east_deg, north_deg, 4326)";
 
+}  // namespace
+
 void PutArea(PostgresConnection& writer,
              const std::string& table,
              const std::string& id,
@@ -52,28 +54,6 @@ PostgresRows SelectMeeting(PostgresConnection& connection,
                         edges.south_deg,
                         edges.east_deg,
                         edges.north_deg);
-}
-
-}  // namespace
-
-void PutSiteArea(PostgresConnection& writer, const std::string& site_id, const BoundingBox& box) {
-  PutArea(writer, "site", site_id, box);
-}
-
-void PutMapArea(PostgresConnection& writer, const std::string& map_id, const BoundingBox& box) {
-  PutArea(writer, "map", map_id, box);
-}
-
-PostgresRows SelectSitesMeeting(PostgresConnection& connection,
-                                const std::string& select,
-                                const BoundingBox& box) {
-  return SelectMeeting(connection, select, "site", box);
-}
-
-PostgresRows SelectMapsMeeting(PostgresConnection& connection,
-                               const std::string& select,
-                               const BoundingBox& box) {
-  return SelectMeeting(connection, select, "map", box);
 }
 
 }  // namespace freelsd

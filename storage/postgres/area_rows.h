@@ -8,17 +8,16 @@
 
 namespace freelsd {
 
-// Writes the parts of the box for the site or map.
-void PutSiteArea(PostgresConnection& writer, const std::string& site_id, const BoundingBox& box);
-void PutMapArea(PostgresConnection& writer, const std::string& map_id, const BoundingBox& box);
-
+// `table` is "site" or "map". Writes the parts of the box for the one with that id.
+void PutArea(PostgresConnection& writer,
+             const std::string& table,
+             const std::string& id,
+             const BoundingBox& box);
 // Runs `select`, which ends with "id IN", on the ids of all whose area may meet the box. Areas are
 // compared in single precision, rounded outwards.
-PostgresRows SelectSitesMeeting(PostgresConnection& connection,
-                                const std::string& select,
-                                const BoundingBox& box);
-PostgresRows SelectMapsMeeting(PostgresConnection& connection,
-                               const std::string& select,
-                               const BoundingBox& box);
+PostgresRows SelectMeeting(PostgresConnection& connection,
+                           const std::string& select,
+                           const std::string& table,
+                           const BoundingBox& box);
 
 }  // namespace freelsd

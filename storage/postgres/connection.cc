@@ -74,21 +74,18 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+std::vector<PostgresParameter> ParametersOf(const Values& values) {
+  std::vector<PostgresParameter> parameters;
+  parameters.reserve(values.size());
+  for (const Value& value : values) parameters.push_back(ParameterOf(value));
+  return parameters;
+}
+
 }  // namespace
 
 std::string_view PostgresRow::View(int column) const {
   return {PQgetvalue(result_, row_, column),
           static_cast<size_t>(PQgetlength(result_, row_, column))};
-}
-
-std::optional<int64_t> PostgresRow::OptionalInt(int column) const {
-  if (PQgetisnull(result_, row_, column) != 0) return std::nullopt;
-  return Int(column);
-}
-
-std::optional<double> PostgresRow::OptionalReal(int column) const {
-  if (PQgetisnull(result_, row_, column) != 0) return std::nullopt;
-  return Real(column);
 }
 
 int64_t PostgresRows::NumChanges() const {
@@ -209,6 +206,16 @@ const std::string& PostgresConnection::Prepared(const std::string& sql,
                       static_cast<int>(types.size()),
                       types.data()));
   return prepared_.emplace(sql, name).first->second;
+}
+
+void PostgresConnection::Select(const std::string& sql, const Values& values, const Visit& visit) {
+  const PostgresRows rows = RunPrepared(sql, ParametersOf(values));
+  for (int row = 0; row < rows.size() && visit(rows[row]); ++row) {
+  }
+}
+
+int64_t PostgresConnection::Update(const std::string& sql, const Values& values) {
+  return RunPrepared(sql, ParametersOf(values)).NumChanges();
 }
 
 PostgresRows PostgresConnection::RunPrepared(const std::string& sql,

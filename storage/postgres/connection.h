@@ -23,17 +23,15 @@ struct ConnectionLost : StorageError {
   using StorageError::StorageError;
 };
 
-// One row of a result; must not outlive it. Columns count from 0.
-class PostgresRow {
+// One row of a result; must not outlive it.
+class PostgresRow final : public Row {
  public:
   PostgresRow(const PGresult* result, int row) : result_(result), row_(row) {}
 
-  int64_t Int(int column) const { return IntegerIn(View(column)); }
-  bool Bool(int column) const { return Int(column) != 0; }
-  double Real(int column) const { return RealIn(View(column)); }
-  std::string Text(int column) const { return std::string(View(column)); }
-  std::optional<int64_t> OptionalInt(int column) const;
-  std::optional<double> OptionalReal(int column) const;
+  bool IsNull(int column) const override { return PQgetisnull(result_, row_, column) != 0; }
+  int64_t Int(int column) const override { return IntegerIn(View(column)); }
+  double Real(int column) const override { return RealIn(View(column)); }
+  std::string Text(int column) const override { return std::string(View(column)); }
 
  private:
   std::string_view View(int column) const;
@@ -72,19 +70,20 @@ struct PostgresTimeouts {
 };
 
 // Only one thread may use a connection at a time.
-class PostgresConnection {
+class PostgresConnection final : public Database {
  public:
   // Throws ConnectionLost if there is none within the time. It refuses servers that are read-only.
   PostgresConnection(const std::string& url, const PostgresTimeouts& timeouts);
-  PostgresConnection(const PostgresConnection&) = delete;
-  PostgresConnection& operator=(const PostgresConnection&) = delete;
 
+  void Select(const std::string& sql, const Values& values, const Visit& visit) override;
+  int64_t Update(const std::string& sql, const Values& values) override;
+  bool HasChecksums() const override { return false; }
   // Prepares the statement once, binds $1, $2, ... in order and runs it.
-  template <typename... Values>
-  PostgresRows Run(const std::string& sql, const Values&... values) {
+  template <typename... Bound>
+  PostgresRows Run(const std::string& sql, const Bound&... values) {
     return RunPrepared(sql, {ParameterOf(values)...});
   }
-  // The same with any number of values.
+  // The same with any number of parameters.
   PostgresRows RunPrepared(const std::string& sql,
                            const std::vector<PostgresParameter>& parameters);
   // Runs several statements without parameters.
@@ -111,6 +110,11 @@ class PostgresConnection {
   std::map<std::string, std::string> prepared_;
   bool is_broken_ = false;
 };
+
+// What a statement of PostgreSQL alone needs.
+inline PostgresConnection& PostgresOf(Database& database) {
+  return static_cast<PostgresConnection&>(database);
+}
 
 // Throws StorageError if the URI is none, or has a password: a command line is no place for it.
 void CheckDatabaseUrl(const std::string& url);

@@ -44,29 +44,29 @@ PostgresParameter ArrayOf(Oid type, Oid element_type, const std::vector<Value>& 
   return {type, std::move(bytes)};
 }
 
+struct MakeParameter {
+  PostgresParameter operator()(bool value) const {
+    return {kBoolType, std::string(1, value ? '\1' : '\0')};
+  }
+  PostgresParameter operator()(int64_t value) const { return {kInt8Type, BytesOf(value)}; }
+  PostgresParameter operator()(double value) const { return {kFloat8Type, BytesOf(value)}; }
+  PostgresParameter operator()(const std::optional<int64_t>& value) const {
+    return value ? (*this)(*value) : PostgresParameter{kInt8Type, std::nullopt};
+  }
+  PostgresParameter operator()(const std::optional<double>& value) const {
+    return value ? (*this)(*value) : PostgresParameter{kFloat8Type, std::nullopt};
+  }
+  PostgresParameter operator()(std::string_view value) const {
+    return {kTextType, std::string(value)};
+  }
+  PostgresParameter operator()(const Blob& value) const {
+    return {kByteaType, std::string(value.bytes)};
+  }
+};
+
 }  // namespace
 
-PostgresParameter ParameterOf(int64_t value) { return {kInt8Type, BytesOf(value)}; }
-
-PostgresParameter ParameterOf(int value) { return ParameterOf(static_cast<int64_t>(value)); }
-
-PostgresParameter ParameterOf(bool value) {
-  return {kBoolType, std::string(1, value ? '\1' : '\0')};
-}
-
-PostgresParameter ParameterOf(double value) { return {kFloat8Type, BytesOf(value)}; }
-
-PostgresParameter ParameterOf(const std::optional<int64_t>& value) {
-  return value ? ParameterOf(*value) : PostgresParameter{kInt8Type, std::nullopt};
-}
-
-PostgresParameter ParameterOf(const std::optional<double>& value) {
-  return value ? ParameterOf(*value) : PostgresParameter{kFloat8Type, std::nullopt};
-}
-
-PostgresParameter ParameterOf(const std::string& value) { return {kTextType, value}; }
-
-PostgresParameter ParameterOf(const Bytes& value) { return {kByteaType, std::string(value.bytes)}; }
+PostgresParameter ParameterOf(const Value& value) { return std::visit(MakeParameter(), value); }
 
 PostgresParameter ParameterOf(const std::vector<int64_t>& values) {
   return ArrayOf(kInt8ArrayType, kInt8Type, values);

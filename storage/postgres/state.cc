@@ -1,7 +1,10 @@
 #include "storage/postgres/state.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
+#include "storage/postgres/dialect.h"
 #include "storage/postgres/images.h"
 #include "storage/postgres/schema.h"
 
@@ -49,6 +52,7 @@ void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
 
 PostgresState::PostgresState(const StorageOptions& given)
     : options(Checked(given)),
+      own_dialect(PostgresDialect(options.is_shared)),
       lock(MadeFolder(options.folder)),
       readers(options),
       writers(options),
@@ -146,13 +150,74 @@ PostgresWrite::PostgresWrite(PostgresState& state) : PostgresTransaction(state.W
   if (state.registration) state.registration->Check(**this);
 }
 
-void StepSites(PostgresConnection& writer) {
-  writer.Run("UPDATE versions SET value = value + 1 WHERE name = 'sites'");
+namespace {
+
+// Writers of sites then take turns until they commit.
+void StepVersion(PostgresConnection& writer, const std::string& name) {
+  writer.Run("UPDATE versions SET value = value + 1 WHERE name = $1", name);
 }
 
-void StepObstacles(PostgresConnection& writer) {
-  writer.Run("UPDATE versions SET value = value + 1 WHERE name = 'obstacles'");
-  StepSites(writer);
+void RemoveImagesOf(PostgresState& state, const Writer& writer) {
+  std::set<std::string> images(writer.unused_images.begin(), writer.unused_images.end());
+  images.insert(writer.retired_images.begin(), writer.retired_images.end());
+  RemoveUnusedImages(state, {images.begin(), images.end()});
+}
+
+// Holds the row of the version of sites, which all who change sites need.
+class PostgresTurn final : public Turn {
+ public:
+  explicit PostgresTurn(PostgresState& state) : state_(state), lock_(state.turns_mutex) {
+    writer_.emplace(state_);
+    StepVersion(**writer_, "sites");
+  }
+  void Write(Teller /*teller*/, const std::function<void(Writer&)>& act) override {
+    Writer own{**writer_};
+    act(own);
+    writer_->Commit();
+    writer_.reset();
+    lock_.unlock();
+    RemoveImagesOf(state_, own);
+  }
+
+ private:
+  PostgresState& state_;
+  // One connection of each process waits for the row.
+  std::unique_lock<std::mutex> lock_;
+  std::optional<PostgresWrite> writer_;
+};
+
+}  // namespace
+
+std::unique_ptr<Turn> PostgresState::TakeTurn() { return std::make_unique<PostgresTurn>(*this); }
+
+int64_t PostgresState::NextMapNumber(const std::string& flight_id) {
+  PostgresWrite writer(*this);
+  const PostgresRows rows = writer->Run(
+      "INSERT INTO map_numbers (flight_id, last) "
+      "VALUES ($1, 1 + (SELECT coalesce(max(number), 0) FROM maps WHERE flight_id = $1)) "
+      "ON CONFLICT (flight_id) DO UPDATE SET last = 1 + greatest(map_numbers.last, "
+      "(SELECT coalesce(max(number), 0) FROM maps WHERE flight_id = $1)) RETURNING last",
+      flight_id);
+  writer.Commit();
+  return rows[0].Int(0);
+}
+
+void PostgresState::ReadWith(Reading /*from*/, const std::function<void(Database&)>& act) {
+  Read([&act](PostgresConnection& connection) { act(connection); });
+}
+
+void PostgresState::WriteWith(Writing what,
+                              Teller /*teller*/,
+                              const std::function<void(Writer&)>& act) {
+  std::optional<PostgresWrite> writer(std::in_place, *this);
+  if (what == Writing::kObstacles) StepVersion(**writer, "obstacles");
+  if (what == Writing::kObstacles || what == Writing::kSites) StepVersion(**writer, "sites");
+  Writer own{**writer};
+  act(own);
+  writer->Commit();
+  // Each image needs a transaction of its own.
+  writer.reset();
+  RemoveImagesOf(*this, own);
 }
 
 }  // namespace freelsd

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "storage/box_cache.h"
+#include "storage/database.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
 #include "storage/postgres/ownership.h"
@@ -20,9 +20,16 @@ namespace freelsd {
 
 // What this process has of the database. Thread-safe. Readers and writers have pools of their own,
 // so that readers never wait for writers.
-struct PostgresState {
+struct PostgresState final : public StoreAccess {
   // Opens the database, and creates its schema in an empty one.
   explicit PostgresState(const StorageOptions& given);
+
+  const Dialect& dialect() const override { return own_dialect; }
+  bool HasImage(const std::string& sha256) const override { return images.Has(sha256); }
+  uint64_t SitesVersion() override { return VersionOf("sites"); }
+  uint64_t ObstaclesVersion() override { return VersionOf("obstacles"); }
+  std::unique_ptr<Turn> TakeTurn() override;
+  int64_t NextMapNumber(const std::string& flight_id) override;
 
   // Runs `act` with a connection for reading. `act` may run twice.
   template <typename Act>
@@ -36,6 +43,7 @@ struct PostgresState {
   uint64_t VersionOf(const std::string& name);
 
   StorageOptions options;
+  Dialect own_dialect;
   FolderLock lock;
   ConnectionPool readers;
   ConnectionPool writers;
@@ -57,15 +65,10 @@ struct PostgresState {
   // None outlasts the process: it finds again what its start finds.
   NoticeBoard notices;
   ImageFiles images;
-  BoxCache<RecallRow> recall_rows;
-  BoxCache<MapRow> map_rows;
-  BoxCache<std::string> overruled_ids;
-  // Guards bounds_version and bounds.
-  std::mutex bounds_mutex;
-  uint64_t bounds_version = 0;
-  RecallBounds bounds;
 
  private:
+  void ReadWith(Reading from, const std::function<void(Database&)>& act) override;
+  void WriteWith(Writing what, Teller teller, const std::function<void(Writer&)>& act) override;
   // Takes the database, once it has its schema. Returns the folder of the images, in which nothing
   // has changed if this throws.
   std::filesystem::path Open();
@@ -91,10 +94,5 @@ class PostgresWrite : public PostgresTransaction {
  public:
   explicit PostgresWrite(PostgresState& state);
 };
-
-// Increases the version of sites. Writers of sites then take turns until they commit.
-void StepSites(PostgresConnection& writer);
-// The same for obstacles and sites.
-void StepObstacles(PostgresConnection& writer);
 
 }  // namespace freelsd

@@ -1,4 +1,6 @@
 #include "storage/backend.h"
+#include "storage/postgres/dialect.h"
+#include "storage/postgres/site_queries.h"
 #include "storage/postgres/state.h"
 #include "storage/postgres/stores.h"
 
@@ -37,16 +39,16 @@ class PostgresBackend final : public StorageBackend {
 
  private:
   PostgresState state_;
-  PostgresFlightStore flights_{state_};
-  PostgresFrameStore frames_{state_};
+  SqlFlightStore flights_{state_};
+  SqlFrameStore frames_{state_};
   PostgresImageStore images_{state_};
-  PostgresJobStore jobs_{state_};
-  PostgresTelemetryStore telemetry_{state_};
-  PostgresSiteStore sites_{state_};
-  PostgresMapStore maps_{state_};
-  PostgresObstacleStore obstacles_{state_};
+  SqlJobStore jobs_{state_};
+  SqlTelemetryStore telemetry_{state_, kPostgresTelemetry};
+  SqlSiteStore sites_{state_, kPostgresSites};
+  SqlMapStore maps_{state_, kPostgresMaps};
+  SqlObstacleStore obstacles_{state_};
   PostgresClaimStore claims_{state_};
-  PostgresChangeStore changes_{state_};
+  SqlChangeStore changes_{state_};
 };
 
 std::optional<std::string> PostgresBackend::WhyNotWritable() {

@@ -26,19 +26,12 @@ struct Stamp {
   int64_t application_id = 0;
 };
 
-int64_t NumberOf(const Connection& connection, const char* sql) {
-  Statement statement = connection.Prepare(sql);
-  statement.Step();
-  return statement.Int(0);
-}
-
 // Nothing if the file does not exist.
 std::optional<Stamp> StampOf(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
-  const Connection connection(file, Access::kWrite);
-  NumberOf(connection, "SELECT count(*) FROM sqlite_schema");
-  return Stamp{NumberOf(connection, "PRAGMA user_version"),
-               NumberOf(connection, "PRAGMA application_id")};
+  Connection connection(file, Access::kWrite);
+  connection.Int("SELECT count(*) FROM sqlite_schema");
+  return Stamp{connection.Int("PRAGMA user_version"), connection.Int("PRAGMA application_id")};
 }
 
 constexpr size_t kHeadBytes = 72;
@@ -152,8 +145,8 @@ std::optional<std::string> WhyCopyDamaged(const std::filesystem::path& folder,
     }
     if (stamp->number != kSchemaNumber) return "its schema is not known";
     // Reads only the columns that each start needs: checking the whole file takes too long.
-    const Connection copy(folder / kCopyName, Access::kWrite);
-    NumberOf(copy, "SELECT count(id) + max(updated_at_us) FROM sites");
+    Connection copy(folder / kCopyName, Access::kWrite);
+    copy.Int("SELECT count(id) + max(updated_at_us) FROM sites");
   } catch (const StorageError& error) {
     if (error.fault != StorageFault::kDamaged) throw;
     return error.what();

@@ -23,8 +23,8 @@ struct SetAside {
 // Moves the database with the images into a new folder if it is marked, cannot be read or is lost,
 // or if only the copy has this program's schema; and the copy if it is marked or cannot be
 // read. Call it before any file is opened. Returns what was moved, also by earlier starts that did
-// not come to ForgetSetAside. Throws StorageError kOtherSchema, and changes nothing, if a file has a
-// schema of another number.
+// not come to ForgetSetAside. Throws StorageError kOtherSchema, and changes nothing, if a file has
+// a schema of another number.
 SetAside SetAsideWhenDamaged(const std::filesystem::path& folder);
 // Call it when a notice tells what was moved and what was restored.
 void ForgetSetAside(const std::filesystem::path& folder);

@@ -1,4 +1,3 @@
-#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/state.h"
 #include "storage/sqlite/stores.h"
 
@@ -14,7 +13,7 @@ std::optional<std::string> SqliteImageStore::Read(const std::string& sha256) con
 
 void SqliteImageStore::RemoveUnused(const std::string& sha256) {
   const auto lock = state_.LockForWriting();
-  if (!IsImageNeeded(state_.writer, sha256)) state_.images.Remove(sha256);
+  if (!state_.IsImageNeeded(sha256)) state_.images.Remove(sha256);
 }
 
 uint64_t SqliteImageStore::NumBytes() const { return state_.images.NumBytes(); }

@@ -31,8 +31,8 @@ class Reader {
   ~Reader() { pool_.GiveBack(std::move(connection_)); }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
-  const Connection* operator->() const { return connection_.get(); }
-  const Connection& operator*() const { return *connection_; }
+  Connection* operator->() const { return connection_.get(); }
+  Connection& operator*() const { return *connection_; }
 
  private:
   ReaderPool& pool_;

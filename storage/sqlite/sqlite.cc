@@ -41,10 +41,44 @@ StorageFault FaultOf(sqlite3* database, int code) {
 }
 
 // The beginning of the statement, for error messages; it contains no values.
-std::string StepName(const char* sql) {
-  const std::string text = sql;
-  return text.substr(0, text.find_first_of("(\n"));
+std::string StepName(const std::string& sql) { return sql.substr(0, sql.find_first_of("(\n")); }
+
+void ReplaceAll(std::string_view from, std::string_view to, std::string& text) {
+  for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
 }
+
+// From PostgreSQL's words to those of SQLite.
+std::string Translated(std::string sql) {
+  ReplaceAll("$", "?", sql);
+  ReplaceAll(" = true", " = 1", sql);
+  ReplaceAll(" = false", " = 0", sql);
+  ReplaceAll(" FOR NO KEY UPDATE", "", sql);
+  return sql;
+}
+
+// Binds a value to ?index of a statement. Returns SQLite's result.
+struct Binding {
+  int operator()(bool value) const { return (*this)(int64_t{value}); }
+  int operator()(int64_t value) const { return sqlite3_bind_int64(statement, index, value); }
+  int operator()(double value) const { return sqlite3_bind_double(statement, index, value); }
+  template <typename Number>
+  int operator()(const std::optional<Number>& value) const {
+    return value ? (*this)(*value) : sqlite3_bind_null(statement, index);
+  }
+  int operator()(std::string_view value) const {
+    return sqlite3_bind_text64(
+        statement, index, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  }
+  int operator()(const Blob& value) const {
+    return sqlite3_bind_blob64(
+        statement, index, value.bytes.data(), value.bytes.size(), SQLITE_TRANSIENT);
+  }
+
+  sqlite3_stmt* statement;
+  int index;
+};
 
 }  // namespace
 
@@ -73,16 +107,6 @@ void Statement::Run() {
   Check(sqlite3_reset(statement_));
 }
 
-std::optional<double> Statement::OptionalReal(int column) const {
-  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
-  return Real(column);
-}
-
-std::optional<int64_t> Statement::OptionalInt(int column) const {
-  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
-  return Int(column);
-}
-
 std::string Statement::Text(int column) const {
   const void* const bytes = sqlite3_column_blob(statement_, column);
   const int size = sqlite3_column_bytes(statement_, column);
@@ -90,27 +114,10 @@ std::string Statement::Text(int column) const {
   return std::string(static_cast<const char*>(bytes), static_cast<size_t>(size));
 }
 
-void Statement::BindOne(int index, int64_t value) {
-  Check(sqlite3_bind_int64(statement_, index, value));
-}
-
-void Statement::BindOne(int index, double value) {
-  Check(sqlite3_bind_double(statement_, index, value));
-}
-
-void Statement::BindOne(int index, const std::optional<double>& value) {
-  if (value) return BindOne(index, *value);
-  Check(sqlite3_bind_null(statement_, index));
-}
-
-void Statement::BindOne(int index, const std::string& value) {
-  Check(sqlite3_bind_text64(
-      statement_, index, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
-}
-
-void Statement::BindOne(int index, const Blob& value) {
-  Check(sqlite3_bind_blob64(
-      statement_, index, value.bytes.data(), value.bytes.size(), SQLITE_TRANSIENT));
+Statement& Statement::Bind(const Values& values) {
+  int index = 0;
+  for (const Value& value : values) Check(std::visit(Binding{statement_, ++index}, value));
+  return *this;
 }
 
 Connection::Connection(const std::filesystem::path& file, Access access) {
@@ -134,8 +141,21 @@ Connection::Connection(const std::filesystem::path& file, Access access) {
 
 Connection::~Connection() { sqlite3_close(database_); }
 
-void Connection::Execute(const char* sql) const {
-  if (sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
+void Connection::Select(const std::string& sql, const Values& values, const Visit& visit) {
+  Statement statement(database_, Translated(sql).c_str());
+  statement.Bind(values);
+  while (statement.Step() && visit(statement)) {
+  }
+}
+
+int64_t Connection::Update(const std::string& sql, const Values& values) {
+  Statement statement(database_, Translated(sql).c_str());
+  statement.Bind(values).Run();
+  return sqlite3_changes(database_);
+}
+
+void Connection::Execute(const std::string& sql) const {
+  if (sqlite3_exec(database_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) {
     Fail(database_, StepName(sql));
   }
 }
@@ -166,7 +186,7 @@ void Connection::ReserveCommit() const {
   }
 }
 
-Transaction::Transaction(const Connection& connection) : connection_(connection) {
+Transaction::Transaction(Connection& connection) : connection_(connection) {
   connection_.Execute("BEGIN IMMEDIATE");
 }
 

@@ -4,8 +4,6 @@
 #include <set>
 
 #include "storage/sqlite/changes/changes.h"
-#include "storage/sqlite/map_rows.h"
-#include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/storage_error.h"
@@ -25,46 +23,39 @@ std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
   return folder;
 }
 
-int64_t SchemaNumberOf(const Connection& connection) {
-  Statement statement = connection.Prepare("PRAGMA user_version");
-  statement.Step();
-  return statement.Int(0);
-}
-
 // Creates the schema, in one transaction, unless it is there. True if it was created.
-bool OpenSchema(const Connection& writer) {
-  const int64_t number = SchemaNumberOf(writer);
+bool OpenSchema(Connection& writer) {
+  const int64_t number = writer.Int("PRAGMA user_version");
   if (number == kSchemaNumber) return false;
   if (number != 0) throw OtherSchema("open the database", number, kSchemaNumber);
   Transaction transaction(writer);
   writer.Execute(kSchemaSql);
-  writer.Execute(("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaNumber)) +
-                  "; PRAGMA user_version = " + std::to_string(kSchemaNumber))
-                     .c_str());
+  writer.Execute("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaNumber)) +
+                 "; PRAGMA user_version = " + std::to_string(kSchemaNumber));
   transaction.Commit();
   return true;
 }
 
 // Throws StorageError kDamaged unless `sql` gives "ok".
-void ExpectOk(const Connection& connection, const char* sql) {
-  Statement check = connection.Prepare(sql);
-  if (!check.Step() || check.Text(0) == "ok") return;
-  throw StorageError("check the database", check.Text(0), StorageFault::kDamaged);
+void ExpectOk(Connection& connection, const std::string& sql) {
+  const auto found = connection.First([](const Row& row) { return row.Text(0); }, sql);
+  if (!found || *found == "ok") return;
+  throw StorageError("check the database", *found, StorageFault::kDamaged);
 }
 
 // Throws StorageError kDamaged if a site is damaged. It leaves out maps: they are many times
 // larger, and each map has a checksum that is compared when the map is read.
-void CheckSites(const Connection& connection) {
+void CheckSites(Connection& connection) {
   for (const char* table : {"sites", "site_numbers", "obstacles", "maps"}) {
-    ExpectOk(connection, (std::string("PRAGMA integrity_check(") + table + ")").c_str());
+    ExpectOk(connection, std::string("PRAGMA integrity_check(") + table + ")");
   }
   ListObstacleRows(connection);
-  CheckMapRows(connection);
+  ForEachMapRow(connection, "", {}, [](const FlightMapRow&) {});
   ExpectOk(connection, "SELECT rtreecheck('site_boxes')");
   CheckSiteRows(connection);
 }
 
-void CheckWhole(const Connection& connection) {
+void CheckWhole(Connection& connection) {
   ExpectOk(connection, "PRAGMA quick_check(1)");
   CheckSites(connection);
 }
@@ -86,7 +77,7 @@ std::string Counted(int64_t number, const std::string& what) {
 }
 
 // "18 sites, 1 map and 3 obstacles were restored from the second copy, written last at ...".
-std::string RestoredFrom(const Connection& copy) {
+std::string RestoredFrom(Connection& copy) {
   const NumStored num = NumStoredIn(copy);
   const std::string written_at = InStepAt(copy);
   return Counted(num.num_sites, "site") + ", " + Counted(num.num_maps, "map") + " and " +
@@ -94,12 +85,10 @@ std::string RestoredFrom(const Connection& copy) {
          (written_at.empty() ? "" : ", written last at " + written_at);
 }
 
-std::set<std::string> ImagesInUse(const Connection& writer) {
-  std::set<std::string> images;
-  Statement statement =
-      writer.Prepare("SELECT sha256 FROM frames UNION SELECT sha256 FROM photo_tiles");
-  while (statement.Step()) images.insert(statement.Text(0));
-  return images;
+void DeleteUnfinishedMaps(Connection& writer) {
+  // Usually there is none, and nothing is written.
+  if (!writer.Has("SELECT 1 FROM maps WHERE is_in_force = 0 LIMIT 1")) return;
+  writer.Execute("DELETE FROM maps WHERE is_in_force = 0");
 }
 
 }  // namespace
@@ -121,7 +110,9 @@ StorageState::StorageState(const std::filesystem::path& data_folder, const Log& 
   // Unless there was no room to restore it yet.
   if (!is_damaged) TellOfSetAside();
   SyncFolder(folder);
-  const std::set<std::string> in_use = ImagesInUse(writer);
+  const std::vector<std::string> names =
+      writer.Texts("SELECT sha256 FROM frames UNION SELECT sha256 FROM photo_tiles");
+  const std::set<std::string> in_use(names.begin(), names.end());
   images.RemoveUnless([&in_use](const std::string& sha256) { return in_use.contains(sha256); });
   check_thread_ = std::thread([this] { CheckWholeFiles(); });
 }
@@ -159,54 +150,6 @@ void StorageState::MarkCopyDamaged(const std::string& why) {
                     "): sites are read from the database, and the next start makes the copy anew");
 }
 
-void StorageState::WriteSites(const Write& write, Teller teller) {
-  const VersionStep step(sites_version);
-  Transaction transaction(writer);
-  if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 1");
-  write(writer);
-  if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 0");
-  const std::unique_ptr<Transaction> copy = PrepareCopy();
-  transaction.Commit();
-  if (!copy) return;
-  try {
-    copy->Commit();
-    is_copy_whole = !is_copy_damaged_;
-  } catch (const StorageError& error) {
-    // It is stored all the same; the next change, or the next start, brings it into the copy.
-    is_copy_whole = false;
-    if (log) log(std::string("the second copy is behind the database: ") + error.what());
-  }
-}
-
-std::unique_ptr<Transaction> StorageState::PrepareCopy() {
-  if (is_copy_damaged_) return nullptr;
-  try {
-    if (IsInStep(writer, copy_writer)) return nullptr;
-    auto transaction = std::make_unique<Transaction>(copy_writer);
-    FollowInCopy();
-    copy_writer.ReserveCommit();
-    return transaction;
-  } catch (const CopyDamaged& error) {
-    MarkCopyDamaged(error.what());
-    return nullptr;
-  }
-}
-
-void StorageState::WriteUnseen(const Write& write) {
-  const auto commit = [&write](const Connection& connection) {
-    Transaction transaction(connection);
-    write(connection);
-    transaction.Commit();
-  };
-  commit(writer);
-  if (is_copy_damaged_) return;
-  try {
-    On(copy_writer, commit);
-  } catch (const CopyDamaged& error) {
-    MarkCopyDamaged(error.what());
-  }
-}
-
 void StorageState::OpenSchemas() {
   const bool was_used = std::filesystem::exists(folder / kDatabaseFileName);
   OpenSchema(writer);
@@ -215,7 +158,7 @@ void StorageState::OpenSchemas() {
   last.Step();
   first_map_number =
       std::max(FirstMapNumberOf(folder, folder / kDatabaseName, writer), last.Int(0));
-  On(copy_writer, [&](const Connection& copy) {
+  On(copy_writer, [&](Connection& copy) {
     if (OpenSchema(copy) && was_used && aside.IsEmpty() && LastChangeOf(writer) > 0) {
       notices.Add("the second copy of the sites was missing; it was made anew from the database");
     }
@@ -226,7 +169,7 @@ void StorageState::OpenSchemas() {
 
 void StorageState::BringTogether() {
   OpenSchemas();
-  for (const Connection* each : {&writer, &copy_writer}) {
+  for (Connection* each : {&writer, &copy_writer}) {
     // What is left of them takes room, but no reader sees it.
     (void)IsThereRoom([each] { On(*each, DeleteUnfinishedMaps); });
   }

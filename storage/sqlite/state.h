@@ -10,109 +10,38 @@
 #include <mutex>
 #include <string>
 #include <thread>
-#include <utility>
 
-#include "storage/box_cache.h"
-#include "storage/boxes.h"
+#include "storage/database.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
 #include "storage/notices.h"
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/reader_pool.h"
-#include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/sqlite.h"
 #include "storage/storage_error.h"
 
 namespace freelsd {
 
-// Whose change it is: kAbove, if the server that this one follows told it.
-enum class Teller { kThisServer, kAbove };
-
-// Its destructor increases the version, whether the change succeeded or failed.
-class VersionStep {
- public:
-  explicit VersionStep(std::atomic<uint64_t>& version) : version_(version) {}
-  ~VersionStep() { ++version_; }
-  VersionStep(const VersionStep&) = delete;
-  VersionStep& operator=(const VersionStep&) = delete;
-
- private:
-  std::atomic<uint64_t>& version_;
-};
-
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
-struct StorageState {
+struct StorageState final : public StoreAccess {
   using Log = std::function<void(const std::string& text)>;
-  using Write = std::function<void(const Connection& connection)>;
 
   // Opens or creates both databases, and brings the copy in step.
   StorageState(const std::filesystem::path& data_folder, const Log& given_log);
-  ~StorageState();
+  ~StorageState() override;
+
+  const Dialect& dialect() const override;
+  bool HasImage(const std::string& sha256) const override { return images.Has(sha256); }
+  uint64_t SitesVersion() override { return sites_version; }
+  uint64_t ObstaclesVersion() override { return obstacles_version; }
+  std::unique_ptr<Turn> TakeTurn() override;
+  int64_t NextMapNumber(const std::string& flight_id) override;
 
   // Throws StorageError if the main database is damaged.
   std::unique_lock<std::mutex> LockForWriting();
   void MarkDamaged(const std::string& why);
-  // Reads from the main database, or from the copy if the main database is damaged. Never waits for
-  // the writer.
-  template <typename Read>
-  auto ReadSites(Read read) {
-    if (!is_damaged) {
-      try {
-        const Reader reader(readers);
-        return read(*reader);
-      } catch (const StorageError& error) {
-        if (error.fault != StorageFault::kDamaged) throw;
-        MarkDamaged(error.what());
-      }
-    }
-    const Reader reader(copy_readers);
-    return read(*reader);
-  }
-  // Reads the rows within the box through the cache, each once. The box may cross the antimeridian.
-  template <typename Row>
-  SharedRows<Row> RowsWithin(BoxCache<Row>& cache,
-                             const BoundingBox& box,
-                             typename BoxCache<Row>::Rows (*list)(const Connection&,
-                                                                  const BoundingBox&)) {
-    return freelsd::RowsWithin<Row>(cache, box, sites_version, [&](const BoundingBox& wide) {
-      return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
-    });
-  }
-  // Reads from the copy, or from the main database if the copy is damaged. Recall uses this
-  // function, because damage can remove rows from the main database undetected, and the copy is a
-  // separate file.
-  template <typename Read>
-  auto ReadForRecall(Read read) {
-    if (is_copy_whole && !is_copy_damaged_) {
-      try {
-        const Reader reader(copy_readers);
-        return read(*reader);
-      } catch (const StorageError& error) {
-        if (error.fault != StorageFault::kDamaged) throw;
-        MarkCopyDamaged(error.what());
-      }
-    }
-    return ReadSites(read);
-  }
-  // Finds one site in the main database, else in the copy. Damage may have removed the site from
-  // the main database undetected.
-  template <typename Find>
-  auto FindOfSite(Find find) {
-    auto found = ReadSites(find);
-    return found ? found : ReadForRecall(find);
-  }
-  // Changes sites, maps or obstacles in the main database in one commit, which decides; the copy
-  // follows. The copy's part is on disk before that commit, so that a full disk refuses both or
-  // none. A kill between the two commits leaves the copy behind until the next start. The caller
-  // holds LockForWriting.
-  void WriteSites(const Write& write, Teller teller = Teller::kThisServer);
-  // Writes rows of maps that are not in force, which no reader sees, to both databases.
-  void WriteUnseen(const Write& write);
-  // As WriteSites. obstacles_version increases even if a write fails.
-  void WriteObstacles(const Write& write, Teller teller = Teller::kThisServer) {
-    const VersionStep step(obstacles_version);
-    WriteSites(write, teller);
-  }
+  // Whether a frame or a photo tile needs the image file. The caller holds LockForWriting.
+  bool IsImageNeeded(const std::string& sha256);
 
   std::filesystem::path folder;
   FolderLock lock;
@@ -137,18 +66,24 @@ struct StorageState {
   std::atomic<uint64_t> sites_version{1};
   // Increases when any obstacle changes.
   std::atomic<uint64_t> obstacles_version{1};
-  BoxCache<RecallRow> recall_rows;
-  BoxCache<MapRow> map_rows;
-  BoxCache<std::string> overruled_ids;
-  // Guards bounds_version and bounds.
-  std::mutex bounds_mutex;
-  uint64_t bounds_version = 0;
-  RecallBounds bounds;
   // By flight. Guarded by write_mutex.
   std::map<std::string, int64_t> last_map_numbers;
   int64_t first_map_number = 1;
 
  private:
+  using Act = std::function<void(Writer& writer)>;
+
+  // Never waits for the writer.
+  void ReadWith(Reading from, const std::function<void(Database&)>& act) override;
+  void ReadSites(const std::function<void(Database&)>& act);
+  void WriteWith(Writing what, Teller teller, const Act& act) override;
+  // Changes sites, maps or obstacles in the main database in one commit, which decides; the copy
+  // follows. The copy's part is on disk before that commit, so that a full disk refuses both or
+  // none. A kill between the two commits leaves the copy behind until the next start. The caller
+  // holds LockForWriting.
+  void WriteSites(Writer& own, Teller teller, const Act& act);
+  // Writes rows of maps that are not in force to both databases.
+  void WriteUnseen(Writer& own, const Act& act);
   void MarkCopyDamaged(const std::string& why);
   // At the start. Throws StorageError kDamaged if the main database is damaged, CopyDamaged if the
   // copy is.

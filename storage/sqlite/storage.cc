@@ -1,4 +1,6 @@
 #include "storage/backend.h"
+#include "storage/sqlite/dialect.h"
+#include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
 #include "storage/sqlite/stores.h"
 
@@ -32,16 +34,16 @@ class SqliteBackend final : public StorageBackend {
 
  private:
   std::unique_ptr<StorageState> state_;
-  SqliteFlightStore flights_{*state_};
-  SqliteFrameStore frames_{*state_};
+  SqlFlightStore flights_{*state_};
+  SqlFrameStore frames_{*state_};
   SqliteImageStore images_{*state_};
-  SqliteJobStore jobs_{*state_};
-  SqliteTelemetryStore telemetry_{*state_};
-  SqliteSiteStore sites_{*state_};
-  SqliteMapStore maps_{*state_};
-  SqliteObstacleStore obstacles_{*state_};
+  SqlJobStore jobs_{*state_};
+  SqlTelemetryStore telemetry_{*state_, kSqliteTelemetry};
+  SqlSiteStore sites_{*state_, kSqliteSites};
+  SqlMapStore maps_{*state_, kSqliteMaps};
+  SqlObstacleStore obstacles_{*state_};
   SqliteClaimStore claims_;
-  SqliteChangeStore changes_{*state_};
+  SqlChangeStore changes_{*state_};
 };
 
 std::optional<std::string> SqliteBackend::WhyNotWritable() {

@@ -30,7 +30,7 @@ DatabaseFile FileAt(const std::filesystem::path& path) {
 
 int64_t FirstMapNumberOf(const std::filesystem::path& folder,
                          const std::filesystem::path& database,
-                         const Connection& writer) {
+                         Connection& writer) {
   DatabaseFile now = FileAt(database);
   DatabaseFile before;
   std::ifstream known(folder / kDatabaseFileName);

@@ -26,7 +26,7 @@ inline constexpr char kDatabaseFileName[] = "database-file";
 // database was put back.
 int64_t FirstMapNumberOf(const std::filesystem::path& folder,
                          const std::filesystem::path& database,
-                         const Connection& writer);
+                         Connection& writer);
 
 // Thrown if the second copy is damaged.
 struct CopyDamaged : std::runtime_error {
@@ -35,7 +35,7 @@ struct CopyDamaged : std::runtime_error {
 
 // Runs `act` on the connection. Damage that it finds is CopyDamaged if the file is the second copy.
 template <typename Act>
-auto On(const Connection& connection, const Act& act) {
+auto On(Connection& connection, const Act& act) {
   try {
     return act(connection);
   } catch (const StorageError& error) {
@@ -50,24 +50,24 @@ struct NumStored {
   int64_t num_maps = 0;
   int64_t num_obstacles = 0;
 };
-NumStored NumStoredIn(const Connection& connection);
+NumStored NumStoredIn(Connection& connection);
 // Whether the sites, maps and obstacles of both have the same ids and stamps.
-bool IsSame(const Connection& a, const Connection& b);
+bool IsSame(Connection& a, Connection& b);
 // Makes the sites, maps and obstacles of `to` those of `from`, in the caller's transaction.
-void CopyAll(const Connection& from, const Connection& to);
+void CopyAll(Connection& from, Connection& to);
 
 // The number of the last change of the main database; 0 if none was ever stored.
-int64_t LastChangeOf(const Connection& main);
+int64_t LastChangeOf(Connection& main);
 // Whether the copy has the number of the last change, also of one that is not committed.
-bool IsInStep(const Connection& main, const Connection& copy);
+bool IsInStep(Connection& main, Connection& copy);
 // Whether the copy can follow by number. It keeps its place in the feed in its table follow_state.
-bool CanFollow(const Connection& main, const Connection& copy);
+bool CanFollow(Connection& main, Connection& copy);
 // Brings the changes since the copy's place into the copy, also those that the open transaction on
 // the main database has not committed. Only if CanFollow.
-void FollowMain(const Connection& main, const Connection& copy);
+void FollowMain(Connection& main, Connection& copy);
 // Writes into the copy that it is in step.
-void SetInStep(const Connection& main, const Connection& copy);
+void SetInStep(Connection& main, Connection& copy);
 // When the copy was written last, as 2026-01-31T12:00:00Z. Empty if it never was in step.
-std::string InStepAt(const Connection& copy);
+std::string InStepAt(Connection& copy);
 
 }  // namespace freelsd

@@ -154,7 +154,7 @@ void MbTiles::State::Open(const std::filesystem::path& file) {
 
 void MbTiles::State::RequireTable(const std::string& name) const {
   Statement statement(database, "SELECT 1 FROM sqlite_master WHERE name = ?1");
-  if (!statement.Bind(name).Step()) Refuse("MBTiles", "the file has no table " + name);
+  if (!statement.Bind({name}).Step()) Refuse("MBTiles", "the file has no table " + name);
 }
 
 std::map<std::string, std::string> MbTiles::State::ReadMetadata() const {
@@ -230,7 +230,7 @@ std::optional<MapTile> MbTiles::Find(int zoom, int64_t x, int64_t y) const {
   Statement statement(state_->database,
                       "SELECT tile_data FROM tiles "
                       "WHERE zoom_level = ?1 AND tile_column = ?2 AND tile_row = ?3");
-  if (!statement.Bind(zoom, x, num_rows - 1 - y).Step()) return std::nullopt;
+  if (!statement.Bind({zoom, x, num_rows - 1 - y}).Step()) return std::nullopt;
   return state_->Checked(statement, 0);
 }
 
