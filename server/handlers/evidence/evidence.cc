@@ -96,8 +96,7 @@ nlohmann::json LikelihoodJson(Service& service,
     found = HeightLikelihoodAt(cell.place_in_world,
                                around,
                                block,
-                               StoredImages(service.intake, cell.map.row.flight_id),
-                               ParseStoredFlightRequest(cell.map.head.flight_json).options.heights);
+                               StoredImages(service.intake, cell.map.row.flight_id));
   } catch (const ApiError&) {
     return nullptr;
   }
