@@ -35,7 +35,8 @@ std::optional<LiftedCorner> CornerIn(const GroundPhotograph& photograph,
                                      const Eigen::Vector3d& place_in_world) {
   std::array<Eigen::Vector2d, 3> at;
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d lifted = place_in_world + Eigen::Vector3d(0.0, 0.0, (i - 1) * kSearchRangeM);
+    const Eigen::Vector3d lifted =
+        place_in_world + Eigen::Vector3d(0.0, 0.0, (i - 1) * kSearchRangeM);
     const auto pixel = camera.ImageFromCamera(camera_from_world * lifted);
     if (!pixel) return std::nullopt;
     const auto index = static_cast<size_t>(i);
@@ -138,10 +139,8 @@ PlaneSweep::LiftedBlock PlaneSweep::Lift(const cv::Rect& cells,
 }
 
 std::vector<double> PlaneSweep::HeightsFor(double baseline_ratio) const {
-  const double step =
-      std::clamp(kHeightStepPx * samples_.SampleM() / std::max(baseline_ratio, 1e-3),
-                 kMinStepM,
-                 kMaxStepM);
+  const double step = std::clamp(
+      kHeightStepPx * samples_.SampleM() / std::max(baseline_ratio, 1e-3), kMinStepM, kMaxStepM);
   const int half = static_cast<int>(std::ceil(kSearchRangeM / step));
   std::vector<double> heights;
   heights.reserve(static_cast<size_t>(2 * half + 1));
