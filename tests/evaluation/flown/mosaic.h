@@ -33,7 +33,7 @@ class Mosaic {
   std::deque<LocalFrame> frames_;
 };
 
-// side x side worlds of 500 m as insurance.sh surveys them, seed by seed from the south-west,
+// side x side worlds of 500 m as mosaic.sh surveys them, seed by seed from the south-west,
 // row by row. Tells its progress on the standard error.
 Mosaic MakeMosaic(uint64_t first_seed, int side);
 

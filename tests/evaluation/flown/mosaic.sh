@@ -1,36 +1,29 @@
 #!/usr/bin/env bash
-# Lets engines stop along random routes over mosaics of seeded worlds, flies what the insurance of
-# the route told, and prints what the aircraft met.
+# Surveys a square of --side x --side seeded worlds of 500 m, each by a flight of its own, for
+# tests/autopilot/trial/trial.sh.
 #
-#   tests/evaluation/insurance.sh [--build DIR] [--folder DIR] [--mosaics N] [--side N] [--seed N]
-#                                 [--routes N]
+#   tests/evaluation/flown/mosaic.sh [--build DIR] [--folder DIR] [--side N] [--seed N]
 #
-# A mosaic is a square of --side x --side worlds of 500 m, each surveyed by a flight of its own. A
-# server gets these flights once, in a data folder of the mosaic's own below --folder (default
-# build/insurance); that takes half a minute a world. Later runs use these folders again. --routes
-# are those over each mosaic.
+# A server gets the flights once, in the data folder --seed below --folder (default
+# build/insurance); that takes half a minute a world.
 set -euo pipefail
-root="$(cd "$(dirname "$0")/../.." && pwd)"
+root="$(cd "$(dirname "$0")/../../.." && pwd)"
 build="$root/build/release"
 folder="$root/build/insurance"
-mosaics=2
 side=6
 seed=57000
-routes=25
 while [ $# -gt 0 ]; do
   case "$1" in
     --build) build="$2" ;;
     --folder) folder="$2" ;;
-    --mosaics) mosaics="$2" ;;
     --side) side="$2" ;;
     --seed) seed="$2" ;;
-    --routes) routes="$2" ;;
-    *) echo "insurance.sh: unknown argument $1" >&2; exit 2 ;;
+    *) echo "mosaic.sh: unknown argument $1" >&2; exit 2 ;;
   esac
   shift 2
 done
-for program in server/freelsd-server tests/freelsd-eval tests/freelsd-fly-routes; do
-  [ -x "$build/$program" ] || { echo "insurance.sh: no program at $build/$program" >&2; exit 1; }
+for program in server/freelsd-server tests/freelsd-eval; do
+  [ -x "$build/$program" ] || { echo "mosaic.sh: no program at $build/$program" >&2; exit 1; }
 done
 mkdir -p "$folder"
 world_m=500
@@ -50,7 +43,7 @@ start_server() { # DATA LOG: sets url
     [ -n "$url" ] && return
     sleep 0.1
   done
-  echo "insurance.sh: the server did not start:" >&2
+  echo "mosaic.sh: the server did not start:" >&2
   cat "$2" >&2
   exit 1
 }
@@ -75,6 +68,4 @@ store_mosaic() {
   touch "$data/complete"
 }
 
-for ((i = 0; i < mosaics; ++i)); do store_mosaic $((seed + 100 * i)); done
-"$build/tests/freelsd-fly-routes" --folder "$folder" --mosaics "$mosaics" --side "$side" --seed "$seed" \
-  --routes "$routes"
+store_mosaic "$seed"
