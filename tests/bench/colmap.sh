@@ -38,7 +38,7 @@ reconstruct() {
 }
 
 find_sites() {
-  taskset -c "0-$((threads - 1))" build/release/tests/freelsd-survey --stages "$flight"
+  taskset -c "0-$((threads - 1))" build/release/tests/freelsd-survey "$flight"
 }
 
 median() { sort -n "$1" | awk '{ all[NR] = $1 } END { print all[int((NR + 1) / 2)] }'; }

@@ -14,7 +14,6 @@
 
 #include "api/flight_parts.h"
 #include "tests/evaluation/ablation/ablation.h"
-#include "tests/evaluation/curves.h"
 #include "tests/evaluation/http_run.h"
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
@@ -194,7 +193,6 @@ Json EvaluateWorld(const CampaignOptions& campaign,
   stopwatch.Lap("scores");
   if (!campaign.pictures.empty()) {
     DrawWorld(campaign.pictures, std::to_string(seed), scenario, run, truth, fields);
-    DrawCurves(campaign.pictures, std::to_string(seed), run);
   }
   if (!scenario.ground.empty()) record["ground"] = scenario.ground;
   record["cpu_s"] = stopwatch.seconds();
@@ -317,23 +315,6 @@ Json RunCampaign(const CampaignOptions& options, const Classifier& classifier) {
   options.Check();
   cv::setNumThreads(options.scenario.num_threads);
   return Campaign(options, classifier).Run();
-}
-
-Json MergeReports(const std::vector<Json>& reports) {
-  const Json settings = SharedSettings(reports);
-  Json records = Json::array();
-  std::set<uint64_t> seeds;
-  for (const Json& report : reports) {
-    for (const Json& record : report.at("worlds")) {
-      const uint64_t seed = record.at("seed").get<uint64_t>();
-      if (!seeds.insert(seed).second) {
-        throw std::runtime_error("seed " + std::to_string(seed) + " is in two reports");
-      }
-      records.push_back(record);
-    }
-  }
-  Sort(records);
-  return MakeReport(settings, records);
 }
 
 }  // namespace freelsd

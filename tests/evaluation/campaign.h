@@ -1,4 +1,4 @@
-// Many worlds: several at once, to be interrupted and gone on with, in parts that are put together.
+// Many worlds: several at once, to be interrupted and gone on with.
 #pragma once
 
 #include <string>
@@ -45,9 +45,5 @@ struct CampaignOptions {
 // The report of all worlds, by seed. Whatever the number of jobs, the records are the same but for
 // what they cost.
 nlohmann::json RunCampaign(const CampaignOptions& options, const Classifier& classifier);
-
-// One report of the worlds of several. Throws std::runtime_error where settings differ or a seed
-// is in two of them.
-nlohmann::json MergeReports(const std::vector<nlohmann::json>& reports);
 
 }  // namespace freelsd

@@ -253,21 +253,6 @@ TEST_CASE("statistics: the 95 % bound of 0 of 600 is 0.5 %, and sums add up") {
   CHECK(roc.ErrorRatio() == doctest::Approx(2.0 / 6.0));
 }
 
-TEST_CASE("report: what got better and worse is said of every number that differs") {
-  const World world = MeadowWithHouseAndTree();
-  nlohmann::json older{{"safety", SafetyOf(world, PlanTo(kGoodPlace, Verdict::kLandable))}};
-  nlohmann::json newer{{"safety", SafetyOf(world, PlanTo(kRoof, Verdict::kLandable))}};
-  for (nlohmann::json* report : {&older, &newer}) {
-    for (const char* part : {"maps", "frontend", "poses", "cost"}) {
-      (*report)[part] = nlohmann::json::object();
-    }
-  }
-  const std::string text = Comparison(older, newer);
-  CHECK(text.find("worse   safety.num_false_safe") != std::string::npos);
-  CHECK(text.find("worse   safety.num_fields_found") != std::string::npos);
-  CHECK(Comparison(older, older) == "no number differs\n");
-}
-
 TEST_CASE("evaluation: on maps without error fields are found, and no answer is false safe") {
   ScenarioOptions options;
   options.takes_photographs = false;

@@ -60,32 +60,6 @@ void WriteRows(std::ostringstream& out, const std::string& title, const Json& ro
   }
 }
 
-bool IsBetterWhenLarger(const std::string& name) {
-  for (const char* word :
-       {"found", "auc", "recall", "precision", "connected", "landable_sites", "track_length"}) {
-    if (name.find(word) != std::string::npos) return true;
-  }
-  return false;
-}
-
-void CompareNumbers(std::ostringstream& out,
-                    const std::string& path,
-                    const Json& older,
-                    const Json& newer) {
-  if (newer.is_object()) {
-    for (const auto& [key, value] : newer.items()) {
-      if (older.is_object() && older.contains(key)) {
-        CompareNumbers(out, path.empty() ? key : path + "." + key, older.at(key), value);
-      }
-    }
-    return;
-  }
-  if (!older.is_number() || !newer.is_number() || older == newer) return;
-  const bool is_larger = newer.get<double>() > older.get<double>();
-  out << (is_larger == IsBetterWhenLarger(path) ? "better  " : "worse   ") << std::left
-      << std::setw(56) << path << Text(older) << " -> " << Text(newer) << "\n";
-}
-
 }  // namespace
 
 std::string TableOf(const Json& report) {
@@ -135,27 +109,6 @@ std::string TableOf(const Json& report) {
   out << "peak memory, with the world: " << Text(report.at("peak_memory_with_world_mib"))
       << " MiB\n";
   return out.str();
-}
-
-std::string Comparison(const Json& older, const Json& newer) {
-  std::ostringstream out;
-  for (const char* part : {"safety", "flown", "found", "things", "maps", "frontend", "poses"}) {
-    // Older reports lack some parts.
-    if (older.contains(part) && newer.contains(part)) {
-      CompareNumbers(out, part, older.at(part), newer.at(part));
-    }
-  }
-  for (const Json& row : newer.at("cost")) {
-    for (const Json& old_row : older.at("cost")) {
-      if (old_row.at("stage") != row.at("stage")) continue;
-      CompareNumbers(out,
-                     "cost." + row.at("stage").get<std::string>() + ".mean_ms",
-                     old_row.at("mean_ms"),
-                     row.at("mean_ms"));
-    }
-  }
-  const std::string text = out.str();
-  return text.empty() ? "no number differs\n" : text;
 }
 
 }  // namespace freelsd

@@ -1,9 +1,9 @@
 #include "tests/evaluation/recorded/recorded_flight.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -11,14 +11,11 @@
 #include "api/import/images/images.h"
 #include "api/import/import.h"
 #include "api/import/poses/poses.h"
-#include "engine/selection/selection.h"
 
 namespace freelsd {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kCellSizeM = 1.0;
 
 std::string ReadFile(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -34,31 +31,6 @@ std::vector<fs::path> ImagesIn(const fs::path& folder) {
   if (files.empty()) throw std::runtime_error("no images in " + folder.string());
   std::sort(files.begin(), files.end());
   return files;
-}
-
-Grid GridOver(const AdjustedBlock& block) {
-  Eigen::Vector2d min = Eigen::Vector2d::Constant(1e9), max = -min;
-  for (const Landmark& landmark : block.landmarks) {
-    min = min.cwiseMin(landmark.point_in_world.head<2>());
-    max = max.cwiseMax(landmark.point_in_world.head<2>());
-  }
-  return GridAround(min, max, kCellSizeM);
-}
-
-Points PointsOf(const RecordedFlight& flight,
-                const StereoPair& pair,
-                const StereoOptions& options) {
-  const auto image_of = [&flight](size_t view) -> const cv::Mat& {
-    return flight.images.at(flight.block.views[view].frame_id);
-  };
-  return ReconstructPoints(flight.block, pair, image_of(pair.left), image_of(pair.right), options);
-}
-
-void AppendDifferences(const ElevationMap& a, const ElevationMap& b, std::vector<float>* all) {
-  const cv::Mat1f difference = cv::abs(a.elevation - b.elevation);
-  for (const float value : difference) {
-    if (!std::isnan(value)) all->push_back(value);
-  }
 }
 
 }  // namespace
@@ -94,60 +66,6 @@ RecordedFrames ReadRecordedFrames(const std::string& folder) {
     return a.timestamp_us < b.timestamp_us;
   });
   return {*frame, rig, std::move(frames)};
-}
-
-RecordedFlight AdjustRecordedFlight(const std::string& folder,
-                                    const Classifier& classifier,
-                                    const PipelineOptions& options) {
-  const auto [frame, rig, frames] = ReadRecordedFrames(folder);
-  RecordedFlight flight{frame, rig.camera, {}, {}, {}};
-  Frontend frontend(rig, options, classifier);
-  for (const Frame& each : frames) {
-    flight.images[each.id] = each.image;
-    frontend.Process(each);
-  }
-  frontend.Flush();
-  const Snapshot snapshot = frontend.TakeSnapshot();
-  flight.views = snapshot.views;
-  const ImageSource source = [&flight](const std::string& id) { return flight.images.at(id); };
-  flight.block =
-      AdjustAndTie(snapshot.views, rig.camera, source, options.tracks, options.adjustment);
-  return flight;
-}
-
-PairAgreement AgreementOfPairs(const RecordedFlight& flight, const PipelineOptions& options) {
-  constexpr size_t kMaxNumPairs = 30;
-  const std::vector<StereoPair> pairs = SelectPairs(flight.block, options.stereo);
-  const Grid grid = GridOver(flight.block);
-  std::vector<ElevationMap> maps;
-  const size_t step = std::max<size_t>(1, pairs.size() / kMaxNumPairs);
-  for (size_t i = 0; i < pairs.size(); i += step) {
-    ElevationMapBuilder builder(grid, options.terrain);
-    builder.Add(PointsOf(flight, pairs[i], options.stereo));
-    maps.push_back(builder.Build());
-  }
-  PairAgreement agreement;
-  std::vector<float> all;
-  for (size_t i = 0; i < maps.size(); ++i) {
-    for (size_t j = i + 1; j < maps.size(); ++j) {
-      const size_t before = all.size();
-      AppendDifferences(maps[i], maps[j], &all);
-      agreement.num_overlaps += all.size() > before;
-    }
-  }
-  if (all.empty()) return agreement;
-  std::sort(all.begin(), all.end());
-  agreement.median_m = all[all.size() / 2];
-  agreement.p90_m = all[all.size() * 9 / 10];
-  return agreement;
-}
-
-ElevationMap MapOfBlock(const RecordedFlight& flight, const PipelineOptions& options) {
-  ElevationMapBuilder builder(GridOver(flight.block), options.terrain);
-  for (const StereoPair& pair : SelectPairs(flight.block, options.stereo)) {
-    builder.Add(PointsOf(flight, pair, options.stereo));
-  }
-  return builder.Build();
 }
 
 }  // namespace freelsd

@@ -1,5 +1,4 @@
-// freelsd-survey: how well the poses of recorded flights fit, and the surveyed targets where there
-// are any; a table in Markdown.
+// freelsd-survey: what each stage of the engine costs on recorded flights; a table in Markdown.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -10,24 +9,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "server/training/pools.h"
-#include "tests/evaluation/recorded/control_points.h"
-#include "tests/evaluation/recorded/mosaic_pictures.h"
+#include "tests/evaluation/recorded/recorded_flight.h"
 
 namespace freelsd {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Throws std::invalid_argument if the flights are of two pools.
-void CheckPools(const std::vector<std::string>& folders) {
-  const Pools pools = Pools::Read(FREELSD_SOURCE_DIR "/tests/evaluation/pools.csv");
-  PoolOfRun run;
-  for (const std::string& folder : folders) {
-    const std::string name = fs::canonical(folder).filename().string();
-    run.Add("flight " + name, pools.Of("flight", name));
-  }
-}
 
 Classifier ReadClassifier(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -37,115 +24,7 @@ Classifier ReadClassifier(const std::string& path) {
   return Classifier::Parse(text.str());
 }
 
-void PrintFlight(const std::string& name,
-                 const RecordedFlight& flight,
-                 const PairAgreement& agreement) {
-  int num_connected = 0;
-  for (const AdjustedView& view : flight.block.views) num_connected += view.is_connected;
-  std::printf("| %s | %zu | %d | %zu | %.2f | %.0f | %.2f | %.2f | %.2f | %.2f |\n",
-              name.c_str(),
-              flight.images.size(),
-              num_connected,
-              flight.block.LargestGroup().size(),
-              flight.block.rms_after_px,
-              flight.block.camera.fx_px,
-              flight.block.position_sd_m,
-              flight.block.tilt_sd_deg,
-              agreement.median_m,
-              agreement.p90_m);
-  std::fflush(stdout);
-}
-
-void PrintControl(const std::string& name, const ControlErrors& errors) {
-  std::printf(
-      "\n%s: %d targets seen twice. Leave one out after a similarity of the others: %.2f m "
-      "horizontal, %.2f m vertical (RMS). Georeferenced by the positions alone: shift east %.2f, "
-      "north %.2f, up %.2f m, and without it %.2f m horizontal, %.2f m vertical. Elevation map at "
-      "%d targets: %.2f m RMS, largest %.2f m.\n",
-      name.c_str(),
-      errors.num_targets,
-      errors.aligned_horizontal_m,
-      errors.aligned_vertical_m,
-      errors.shift_in_world.x(),
-      errors.shift_in_world.y(),
-      errors.shift_in_world.z(),
-      errors.georeferenced_horizontal_m,
-      errors.georeferenced_vertical_m,
-      errors.num_map_targets,
-      errors.map_vertical_m,
-      errors.map_largest_m);
-}
-
-void PrintMosaic(const std::string& name, const MosaicFigures& figures) {
-  std::printf(
-      "| %s | %.3f | %.4f | %d | %.1f | %.0f | %.1f | %.1f | %.1f | %.2f | %d | %.2f | %.2f |\n",
-      name.c_str(),
-      figures.shown_km2,
-      figures.pixel_size_m,
-      figures.num_tiles,
-      figures.seconds,
-      figures.peak_mb,
-      figures.step_photographed,
-      figures.step_with_gains,
-      figures.step_blended,
-      figures.sharpness_ratio,
-      figures.num_targets,
-      figures.target_rms_px,
-      figures.target_largest_px);
-  std::fflush(stdout);
-}
-
-std::vector<Sighting> SightingsIn(const fs::path& folder) {
-  const fs::path sightings = folder / "ImageTargets_2000x1500.csv";
-  return fs::exists(sightings) ? ReadSightings(sightings.string()) : std::vector<Sighting>();
-}
-
-void RunMosaics(const std::vector<std::string>& folders,
-                const std::string& model,
-                const std::string& output) {
-  const Classifier classifier = ReadClassifier(model);
-  const PipelineOptions options;
-  std::puts(
-      "| flight | km2 | pixel m | tiles | seconds | peak MB | step of photographs | with gains | "
-      "blended | sharpness | targets | off by px, RMS | largest |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-  for (const std::string& folder : folders) {
-    const std::string name = fs::path(folder).filename().string();
-    const RecordedFlight flight = AdjustRecordedFlight(folder, classifier, options);
-    PrintMosaic(name,
-                WriteMosaic(flight,
-                            (fs::path(folder) / "images").string(),
-                            MapOfBlock(flight, options),
-                            SightingsIn(folder),
-                            (fs::path(output) / name).string()));
-  }
-}
-
 void Run(const std::vector<std::string>& folders, const std::string& model) {
-  const Classifier classifier = ReadClassifier(model);
-  const PipelineOptions options;
-  std::puts(
-      "| flight | photographs | adjusted | in one block | reprojection px | focal length px | "
-      "position sd m | "
-      "tilt sd deg | pairs differ by m, median | p90 |\n|---|---|---|---|---|---|---|---|---|---|");
-  std::vector<std::pair<std::string, ControlErrors>> controls;
-  for (const std::string& folder : folders) {
-    const std::string name = fs::path(folder).filename().string();
-    const RecordedFlight flight = AdjustRecordedFlight(folder, classifier, options);
-    PrintFlight(name, flight, AgreementOfPairs(flight, options));
-    const fs::path targets = fs::path(folder) / "TargetCoordinates_wAccuracy.csv";
-    if (!fs::exists(targets)) continue;
-    const auto sightings = SightingsIn(folder);
-    controls.emplace_back(
-        name,
-        CompareWithTargets(
-            flight, MapOfBlock(flight, options), ReadTargets(targets.string()), sightings));
-  }
-  for (const auto& [name, errors] : controls) PrintControl(name, errors);
-}
-
-// What the whole of the engine costs on stored flights, stage by stage.
-void RunStages(const std::vector<std::string>& folders, const std::string& model) {
   const Classifier classifier = ReadClassifier(model);
   std::puts("| flight | photographs | stage | times | seconds |\n|---|---|---|---|---|");
   for (const std::string& folder : folders) {
@@ -175,26 +54,15 @@ void RunStages(const std::vector<std::string>& folders, const std::string& model
 
 int main(int argc, char** argv) {
   try {
-    CLI::App app{"Fits the poses of recorded flights and prints how well they fit, as Markdown."};
+    CLI::App app{"Prints what each stage of the engine costs on recorded flights, as Markdown."};
     std::vector<std::string> folders;
     std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
     app.add_option("FLIGHT", folders, "folders with images/ and perhaps poses.csv")
         ->required()
         ->check(CLI::ExistingDirectory);
     app.add_option("--model", model, "the classifier")->check(CLI::ExistingFile);
-    std::string mosaic;
-    app.add_option("--mosaic", mosaic, "makes mosaics instead, in folders of this folder");
-    bool is_timed = false;
-    app.add_flag("--stages", is_timed, "prints instead what each stage of the engine costs");
     CLI11_PARSE(app, argc, argv);
-    freelsd::CheckPools(folders);
-    if (is_timed) {
-      freelsd::RunStages(folders, model);
-    } else if (mosaic.empty()) {
-      freelsd::Run(folders, model);
-    } else {
-      freelsd::RunMosaics(folders, model, mosaic);
-    }
+    freelsd::Run(folders, model);
   } catch (const std::exception& error) {
     std::cerr << "freelsd-survey: " << error.what() << "\n";
     return 1;
