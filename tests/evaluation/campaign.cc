@@ -15,7 +15,6 @@
 #include "api/flight_parts.h"
 #include "tests/evaluation/ablation/ablation.h"
 #include "tests/evaluation/http_run.h"
-#include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/blinding.h"
@@ -191,9 +190,6 @@ Json EvaluateWorld(const CampaignOptions& campaign,
         scenario, truth, fields, run, {campaign.ablations, campaign.engine_options}, seed);
   }
   stopwatch.Lap("scores");
-  if (!campaign.pictures.empty()) {
-    DrawWorld(campaign.pictures, std::to_string(seed), scenario, run, truth, fields);
-  }
   if (!scenario.ground.empty()) record["ground"] = scenario.ground;
   record["cpu_s"] = stopwatch.seconds();
   record["peak_mib"] = std::round(PeakMib());

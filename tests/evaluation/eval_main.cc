@@ -102,7 +102,6 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 64));
   app.add_option("--json", campaign.json, "report to write, after every world");
   app.add_flag("--resume", campaign.resumes, "go on from the report: its seeds are not run again");
-  app.add_option("--plots,--pictures", campaign.pictures, "folder for pictures of worlds and maps");
   app.add_option("--url", campaign.url, "service to ask instead of the engine in this process");
   app.add_option_function<std::string>(
       "--options",
