@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "api/plan_json.h"
 #include "server/http/http_library.h"
-#include "tests/evaluation/world_record.h"
 #include "tests/synthetic/flight_files.h"
 
 namespace freelsd {
@@ -126,14 +126,14 @@ Approach ApproachOf(const Json& json, const Eigen::Vector3d& touchdown) {
 
 Verdict VerdictNamed(const std::string& name) {
   for (const Verdict verdict : {Verdict::kLandable, Verdict::kUnverified, Verdict::kRejected}) {
-    if (name == VerdictName(verdict)) return verdict;
+    if (name == NameOf(verdict)) return verdict;
   }
   throw std::runtime_error("unknown verdict " + name);
 }
 
 RejectReason ReasonNamed(const std::string& name) {
   for (int i = 0; i <= static_cast<int>(RejectReason::kNoTerrain); ++i) {
-    if (name == ReasonName(static_cast<RejectReason>(i))) return static_cast<RejectReason>(i);
+    if (name == NameOf(static_cast<RejectReason>(i))) return static_cast<RejectReason>(i);
   }
   throw std::runtime_error("unknown reason " + name);
 }

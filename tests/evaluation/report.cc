@@ -247,27 +247,6 @@ Json PoseTotals(const Json& records) {
           {"reprojection_after_px", RoundedNumber(after.Mean())}};
 }
 
-Json CostTotals(const Json& settings, const Json& records) {
-  std::map<std::string, std::pair<Sums, LogHistogram>> stages;
-  for (const Json& record : records) {
-    for (const auto& [stage, cost] : record.at("cost").items()) {
-      stages[stage].first.Add(SumsFromJson(cost.at("ms")));
-      stages[stage].second.Add(LogHistogram::FromJson(cost.at("histogram")));
-    }
-  }
-  Json rows = Json::array();
-  for (const auto& [stage, cost] : stages) {
-    rows.push_back({{"stage", stage},
-                    {"size", settings.value("image_size", "")},
-                    {"threads", settings.value("threads", 1)},
-                    {"samples", cost.first.count},
-                    {"mean_ms", RoundedNumber(cost.first.Mean())},
-                    {"sd_ms", RoundedNumber(cost.first.Sd())},
-                    {"p95_ms", RoundedNumber(cost.second.Percentile(95.0))}});
-  }
-  return rows;
-}
-
 }  // namespace
 
 Json MakeReport(const Json& settings, const Json& records) {
@@ -297,7 +276,6 @@ Json MakeReport(const Json& settings, const Json& records) {
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},
           {"poses", PoseTotals(records)},
-          {"cost", CostTotals(settings, records)},
           {"peak_memory_with_world_mib", RoundedNumber(peak_mib)},
           {"worlds", records}};
 }

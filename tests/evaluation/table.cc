@@ -69,12 +69,7 @@ std::string TableOf(const Json& report) {
             "sites, by what the ground at the touchdown truly is",
             report.at("safety").at("sites_by_ground"));
   WritePart(out, "flown, 200 times to each accepted site", report.at("flown"));
-  const Json& risks = report.at("landing_risks");
-  WriteRows(out, "landings drawn at random, by their expected risk", risks.at("risks"));
-  WritePart(out, "change of the risk's log loss without a part", risks.at("without_part"));
-  WritePart(
-      out, "of landings with a risk below 0.1", {{"failed_flights", risks.at("causes_below_0.1")}});
-  WriteRows(out, "ground called grass, by its shape as a share of the limits", risks.at("shapes"));
+  WriteRows(out, "landings drawn at random, by their expected risk", report.at("landing_risks"));
   WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
   WriteRows(out, "fields, by their clear touchdowns", report.at("found").at("by_room"));
   WriteRows(out,
@@ -90,17 +85,6 @@ std::string TableOf(const Json& report) {
   WriteRows(
       out, "pixels of the masks, by what they truly show", report.at("frontend").at("covers"));
   WritePart(out, "poses", report.at("poses"));
-  Json cost = Json::object();
-  for (const Json& row : report.at("cost")) {
-    cost[row.at("stage").get<std::string>()] = {{"samples", row.at("samples")},
-                                                {"mean_ms", row.at("mean_ms")},
-                                                {"sd_ms", row.at("sd_ms")},
-                                                {"p95_ms", row.at("p95_ms")}};
-  }
-  WriteRows(out,
-            "cost, images of " + report.at("settings").value("image_size", "") + ", threads " +
-                std::to_string(report.at("settings").value("threads", 1)),
-            cost);
   std::string parts;
   for (const auto& [part, seconds] : report.at("cpu_s_per_world").items()) {
     parts += (parts.empty() ? "" : "; ") + part + " " + Text(seconds);

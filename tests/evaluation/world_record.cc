@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/plan_json.h"
 #include "tests/evaluation/scores/field_scores.h"
 #include "tests/evaluation/scores/flown_site.h"
 #include "tests/evaluation/scores/landing_risks.h"
@@ -63,8 +64,8 @@ Json SiteJson(const Site& site,
   const Plan& plan = site.plan;
   const Eigen::Vector2d touchdown = plan.touchdown_in_world.head<2>();
   Json json{{"region", site.region.id},
-            {"verdict", VerdictName(plan.verdict)},
-            {"reason", plan.reject_reason ? ReasonName(*plan.reject_reason) : ""},
+            {"verdict", NameOf(plan.verdict)},
+            {"reason", plan.reject_reason ? NameOf(*plan.reject_reason) : std::string()},
             {"detail", plan.reject_detail},
             {"touchdown_m", Place(touchdown)},
             {"hazard_distance_m", Rounded(plan.hazard_distance)},
@@ -135,10 +136,10 @@ std::string FateOf(const Field& field,
     if (!concerns(site.region)) continue;
     if (FieldAt(all, truth, site.plan.touchdown_in_world.head<2>()) == field.id) {
       if (site.plan.verdict != Verdict::kRejected) return "found";
-      return ReasonName(*site.plan.reject_reason);
+      return NameOf(*site.plan.reject_reason);
     }
-    fate = site.plan.verdict == Verdict::kRejected ? ReasonName(*site.plan.reject_reason)
-                                                   : "touchdown elsewhere";
+    fate = site.plan.verdict == Verdict::kRejected ? NameOf(*site.plan.reject_reason)
+                                                   : std::string("touchdown elsewhere");
   }
   return fate;
 }
@@ -233,58 +234,7 @@ Json FrontendJson(const FrontendScore& score) {
           {"track_length", ToJson(score.track_length)}};
 }
 
-Json CostJson(const EngineRun& run) {
-  std::map<std::string, std::pair<Sums, LogHistogram>> cost;
-  for (const StageReport& report : run.evaluation.reports) {
-    cost[report.stage].first.Add(1e3 * report.seconds);
-    cost[report.stage].second.Add(1e3 * report.seconds);
-  }
-  Json json = Json::object();
-  for (const auto& [stage, sums] : cost) {
-    json[stage] = {{"ms", ToJson(sums.first)}, {"histogram", sums.second.ToJson()}};
-  }
-  return json;
-}
-
 }  // namespace
-
-const char* VerdictName(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kLandable:
-      return "landable";
-    case Verdict::kUnverified:
-      return "unverified";
-    case Verdict::kRejected:
-      return "rejected";
-  }
-  return "";
-}
-
-const char* ReasonName(RejectReason reason) {
-  switch (reason) {
-    case RejectReason::kNoSafeTouchdown:
-      return "no_safe_touchdown";
-    case RejectReason::kApproachBlocked:
-      return "approach_blocked";
-    case RejectReason::kApproachUnseen:
-      return "approach_unseen";
-    case RejectReason::kLoiterBlocked:
-      return "loiter_blocked";
-    case RejectReason::kRiskTooHigh:
-      return "risk_too_high";
-    case RejectReason::kWindTooStrong:
-      return "wind_too_strong";
-    case RejectReason::kTooSmall:
-      return "too_small";
-    case RejectReason::kTooFewObservations:
-      return "too_few_observations";
-    case RejectReason::kNotGrass:
-      return "not_grass";
-    case RejectReason::kNoTerrain:
-      return "no_terrain";
-  }
-  return "";
-}
 
 Json WorldRecord(uint64_t seed,
                  const Scenario& scenario,
@@ -312,7 +262,6 @@ Json WorldRecord(uint64_t seed,
               {"things", things.counts},
               {"missed_things", Json::array()},
               {"map_shift_m", Place(offset.shift)},
-              {"cost", CostJson(run)},
               {"sites", Json::array()},
               {"fields", Json::array()},
               {"regions", Json::array()}};
@@ -327,8 +276,7 @@ Json WorldRecord(uint64_t seed,
     }
     record["sites"].push_back(std::move(json));
   }
-  record["landing_risks"] =
-      LandingRisksJson(run, scenario, truth, options, {seed, offset.shift.head<2>()});
+  record["landing_risks"] = LandingRisksJson(run, scenario, truth, options.approach, seed);
   for (const Region& region : run.regions) record["regions"].push_back(RegionJson(region));
   const std::vector<FieldScore> scores = ScoreFields(scenario, run, truth, fields, options);
   for (size_t i = 0; i < scores.size(); ++i) {
