@@ -362,24 +362,5 @@ TEST_CASE("approach: a blocked field is searched in every heading before it is r
   REQUIRE(plan.reject_reason.has_value());
 }
 
-TEST_CASE("approach: heights of the start are few, ascending and within bounds") {
-  const auto message_of = [](const std::vector<double>& ratios) {
-    ApproachOptions options;
-    options.start_height_ratios = ratios;
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message_of({1.0}).empty());
-  CHECK(message_of({}) == "approach.start_height_ratios = 0 numbers: must be 1 to 10");
-  CHECK_FALSE(message_of(std::vector<double>(11, 1.0)).empty());
-  CHECK_FALSE(message_of({2.0, 1.0}).empty());
-  CHECK_FALSE(message_of({1.0, 21.0}).empty());
-  CHECK_FALSE(message_of({std::nan("")}).empty());
-}
-
 }  // namespace
 }  // namespace freelsd

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/engine/approach/scene.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -283,25 +284,12 @@ TEST_CASE("next look: what cannot be asked is refused") {
 }
 
 TEST_CASE("next look: options out of bounds are named") {
-  const auto refusal_of = [](const std::function<void(NextLookOptions&)>& change) {
-    NextLookOptions options;
-    change(options);
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(refusal_of([](auto&) {}).empty());
-  CHECK(refusal_of([](auto& options) { options.num_legs = 0; }) ==
-        "next_look.num_legs = 0: must be in [1, 8]");
-  CHECK(refusal_of([](auto& options) { options.leg_length_m = 10.0; }).find("leg_length_m") !=
-        std::string::npos);
-  CHECK(refusal_of([](auto& options) { options.unverified_value = 1.5; }).find("unverified") !=
-        std::string::npos);
-  CHECK(refusal_of([](auto& options) { options.missing_exponent = 0.0; }).find("missing") !=
-        std::string::npos);
+  using O = NextLookOptions;
+  CHECK_NOTHROW(O().Check());
+  CHECK(RefusalOf(&O::num_legs, 0) == "next_look.num_legs = 0: must be in [1, 8]");
+  CHECK(IsRefused(&O::leg_length_m, 10.0, "leg_length_m"));
+  CHECK(IsRefused(&O::unverified_value, 1.5, "unverified"));
+  CHECK(IsRefused(&O::missing_exponent, 0.0, "missing"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/refusal.h"
 #include "tests/engine/regions/detections.h"
 
 namespace freelsd {
@@ -320,32 +321,21 @@ TEST_CASE("regions: the observations needed follow from how often a place is see
 }
 
 TEST_CASE("regions: options out of bounds are refused by name") {
-  CHECK_NOTHROW(RegionsOptions{}.Check());
-  const auto message_of = [](const auto& change) {
-    RegionsOptions options;
-    change(options);
-    try {
-      Regions regions(options);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message_of([](RegionsOptions& o) { o.min_area_m2 = 0; }) ==
-        "regions.min_area_m2 = 0: must be positive and finite");
-  CHECK(message_of([](RegionsOptions& o) { o.min_num_observations = 1; }) ==
+  using O = RegionsOptions;
+  CHECK_NOTHROW(O().Check());
+  CHECK_THROWS_AS(Regions(O{.min_area_m2 = 0.0}), std::invalid_argument);
+  CHECK(RefusalOf(&O::min_area_m2, 0.0) == "regions.min_area_m2 = 0: must be positive and finite");
+  CHECK(RefusalOf(&O::min_num_observations, 1) ==
         "regions.min_num_observations = 1: must be at least min_num_observations_floor = 2");
-  CHECK(message_of([](RegionsOptions& o) { o.min_num_observations_floor = 1; }) ==
+  CHECK(RefusalOf(&O::min_num_observations_floor, 1) ==
         "regions.min_num_observations_floor = 1: must be at least 2");
-  CHECK(message_of([](RegionsOptions& o) { o.min_fixing_overlap_ratio = 1.5; }) ==
+  CHECK(RefusalOf(&O::min_fixing_overlap_ratio, 1.5) ==
         "regions.min_fixing_overlap_ratio = 1.5: must be in [0, 1]");
-  CHECK_FALSE(
-      message_of([](RegionsOptions& o) { o.min_fixing_overlap_ratio = std::nan(""); }).empty());
-  CHECK(message_of([](RegionsOptions& o) { o.max_num_regions = 0; }) ==
-        "regions.max_num_regions = 0: must be at least 1");
-  CHECK(message_of([](RegionsOptions& o) { o.border_margin_px = -1; }) ==
+  CHECK(IsRefused(&O::min_fixing_overlap_ratio, std::nan(""), "min_fixing_overlap_ratio"));
+  CHECK(RefusalOf(&O::max_num_regions, 0) == "regions.max_num_regions = 0: must be at least 1");
+  CHECK(RefusalOf(&O::border_margin_px, -1) ==
         "regions.border_margin_px = -1: must be at least 0 and finite");
-  CHECK(message_of([](RegionsOptions& o) { o.max_viewing_distance_ratio = 1; }) ==
+  CHECK(RefusalOf(&O::max_viewing_distance_ratio, 1.0) ==
         "regions.max_viewing_distance_ratio = 1: must be greater than 1 and finite");
 }
 

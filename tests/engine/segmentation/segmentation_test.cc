@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/geometry/geometry.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -176,17 +177,12 @@ TEST_CASE("segmentation: bad input and options are named") {
   CHECK_THROWS_WITH_AS(SegmentFrame(image, TestCamera({81, 60}), kHeightM, {}),
                        "segmentation: image is 80x60, camera says 81x60",
                        std::invalid_argument);
-  SegmentationOptions options;
-  options.canny_high = 0.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), "segmentation.canny_high = 0: must be in [1, 2000]", std::invalid_argument);
-  options = {};
-  options.max_grey = 5.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), "segmentation.max_grey = 5: must be in [12, 255]", std::invalid_argument);
-  options = {};
-  options.ground_sampling_distance_m = std::nan("");
-  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
+  CHECK(RefusalOf(&SegmentationOptions::canny_high, 0.0) ==
+        "segmentation.canny_high = 0: must be in [1, 2000]");
+  CHECK(RefusalOf(&SegmentationOptions::max_grey, 5.0) ==
+        "segmentation.max_grey = 5: must be in [12, 255]");
+  CHECK(
+      IsRefused(&SegmentationOptions::ground_sampling_distance_m, std::nan(""), "ground_sampling"));
 }
 
 }  // namespace
