@@ -9,22 +9,13 @@
 
 #include "tests/engine/approach/scene.h"
 #include "tests/engine/refusal.h"
+#include "tests/engine/tracks/textured_plane.h"
 
 namespace freelsd {
 namespace {
 
 constexpr double kHeightM = 100.0;
 constexpr uint8_t kOften = 6;
-
-Rig DownLookingRig() {
-  Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
-  return rig;
-}
 
 const Eigen::Quaterniond kLookingUp = Eigen::Quaterniond::Identity();
 const Eigen::Quaterniond kLookingDown(0.0, 1.0, 0.0, 0.0);
@@ -35,7 +26,7 @@ struct HalfFlight {
   scene::Scene ground;
   cv::Mat1b num_views;
   std::vector<SiteSoFar> sites;
-  Rig rig = DownLookingRig();
+  Rig rig = VideoRig();
   std::vector<Rigid3d> flown;
   Aircraft aircraft = scene::Nimble();
   NextLookOptions options;

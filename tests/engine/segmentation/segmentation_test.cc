@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/geometry/geometry.h"
+#include "tests/engine/camera.h"
 #include "tests/engine/refusal.h"
 
 namespace freelsd {
@@ -16,14 +16,8 @@ namespace {
 constexpr double kHeightM = 100.0;
 
 Camera TestCamera(const cv::Size& size) {
-  Camera camera;
-  camera.width_px = size.width;
-  camera.height_px = size.height;
   // 0.15 m on the ground per pixel at kHeightM.
-  camera.fx_px = camera.fy_px = kHeightM / 0.15;
-  camera.cx_px = 0.5 * (size.width - 1);
-  camera.cy_px = 0.5 * (size.height - 1);
-  return camera;
+  return CenteredCamera(size.width, size.height, kHeightM / 0.15);
 }
 
 // A meadow of faint texture.
