@@ -84,7 +84,7 @@ Pool PoolOf(const CampaignOptions& options) {
 // What a report is about; reports of other settings cannot be continued.
 Json SettingsOf(const CampaignOptions& options) {
   const ScenarioOptions& scenario = options.scenario;
-  const Camera camera = SyntheticRig(scenario.camera).camera;
+  const Camera camera = PaperRig().camera;
   Json settings{
       {"over_http", !options.url.empty()},
       {"world_size_m", scenario.world_size_m},
@@ -107,8 +107,6 @@ Json SettingsOf(const CampaignOptions& options) {
   if (!scenario.ground.empty()) settings["ground"] = scenario.ground;
   if (scenario.texture != "painted") settings["texture"] = scenario.texture;
   if (scenario.conditions != "plain") settings["conditions"] = scenario.conditions;
-  if (scenario.camera != "paper") settings["camera"] = scenario.camera;
-  if (scenario.pattern == FlightPattern::kCircle) settings["pattern"] = "circle";
   return settings;
 }
 

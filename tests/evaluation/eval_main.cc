@@ -79,11 +79,6 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
                  scenario.conditions,
                  "light, air and camera: plain, or as recorded flights show them")
       ->check(CLI::IsMember({"plain", "recorded"}));
-  app.add_option("--camera", scenario.camera, "752x480, 1600x1200 tilted, 12 megapixels")
-      ->check(CLI::IsMember({"paper", "oblique", "wide"}));
-  app.add_option("--pattern", scenario.pattern, "legs or one circle")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, FlightPattern>{
-          {"legs", FlightPattern::kLawnmower}, {"circle", FlightPattern::kCircle}}));
   app.add_option("--cell", scenario.cell_size_m, "texture of a world in metres")
       ->check(CLI::Range(0.1, 1.0));
   app.add_option("--height", scenario.height_m, "height of flight in metres")
