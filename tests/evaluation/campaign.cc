@@ -14,7 +14,6 @@
 
 #include "api/flight_parts.h"
 #include "tests/evaluation/ablation/ablation.h"
-#include "tests/evaluation/http_run.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/blinding.h"
@@ -86,7 +85,6 @@ Json SettingsOf(const CampaignOptions& options) {
   const ScenarioOptions& scenario = options.scenario;
   const Camera camera = PaperRig().camera;
   Json settings{
-      {"over_http", !options.url.empty()},
       {"world_size_m", scenario.world_size_m},
       {"cell_size_m", scenario.cell_size_m},
       {"num_frames", scenario.num_frames},
@@ -137,7 +135,6 @@ EngineRun RunOf(const CampaignOptions& campaign,
                 const Classifier& classifier,
                 const Scenario& scenario,
                 const Progress& progress) {
-  if (!campaign.url.empty()) return RunOverHttp(campaign.url, scenario, progress);
   const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
   // It is judged with the aircraft as it is.
   const Aircraft aircraft =
@@ -290,14 +287,8 @@ std::string CampaignOptions::ModelFile() const {
 void CampaignOptions::Check() const {
   scenario.Check();
   PoolOf(*this);
-  if (!url.empty() && !engine_options.empty()) {
-    throw std::invalid_argument("--options and --url: a service has its own options");
-  }
   if (!blind.empty() && blind != kEachBlinding && !BlindingNamed(blind)) {
     throw std::invalid_argument("--blind " + blind + ": no such blinding");
-  }
-  if (!blind.empty() && !url.empty()) {
-    throw std::invalid_argument("--blind and --url: a service gives no map to make wrong");
   }
   if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");
   if (num_jobs > 1 && scenario.num_threads > 1) {

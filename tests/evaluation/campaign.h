@@ -26,8 +26,6 @@ struct CampaignOptions {
   std::string json;
   // Go on from that report: its seeds are not flown again.
   bool resumes = false;
-  // Service that is asked instead of the engine in this process; "" for none.
-  std::string url;
   // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none. "each": the
   // run is scored as it is, and all of them are counted besides.
   std::string blind;

@@ -67,8 +67,6 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
       ->check(CLI::Range(3, 300));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")
       ->check(CLI::Range(100.0, 1000.0));
-  app.add_option("--east", scenario.east_m, "metres that the worlds are moved to the east");
-  app.add_option("--north", scenario.north_m, "metres that the worlds are moved to the north");
   app.add_option(
       "--ground",
       scenario.ground,
@@ -97,7 +95,6 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 64));
   app.add_option("--json", campaign.json, "report to write, after every world");
   app.add_flag("--resume", campaign.resumes, "go on from the report: its seeds are not run again");
-  app.add_option("--url", campaign.url, "service to ask instead of the engine in this process");
   app.add_option_function<std::string>(
       "--options",
       [&campaign](const std::string& path) {

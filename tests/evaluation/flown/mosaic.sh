@@ -22,11 +22,10 @@ while [ $# -gt 0 ]; do
   esac
   shift 2
 done
-for program in server/freelsd-server tests/freelsd-eval; do
+for program in server/freelsd-server tests/freelsd-judge-tracks; do
   [ -x "$build/$program" ] || { echo "mosaic.sh: no program at $build/$program" >&2; exit 1; }
 done
 mkdir -p "$folder"
-world_m=500
 server_pid=""
 stop_server() {
   if [ -n "$server_pid" ]; then kill "$server_pid" 2>/dev/null && wait "$server_pid" 2>/dev/null; fi
@@ -48,24 +47,11 @@ start_server() { # DATA LOG: sets url
   exit 1
 }
 
-# metres_from_middle INDEX
-metres_from_middle() { awk -v i="$1" -v side="$side" -v size="$world_m" 'BEGIN { print (i - 0.5 * (side - 1)) * size }'; }
-
-# store_mosaic FIRST_SEED: its data folder; a world that is there is not sent again.
-store_mosaic() {
-  local data="$folder/$1" i
-  mkdir -p "$data"
-  [ ! -e "$data/complete" ] || return 0
-  start_server "$data" "$folder/$1.log"
-  for ((i = 0; i < side * side; ++i)); do
-    [ ! -e "$data/world-$i" ] || continue
-    "$build/tests/freelsd-eval" --worlds 1 --seed "$(($1 + i))" --aircraft small --url "$url" \
-      --east "$(metres_from_middle $((i % side)))" --north "$(metres_from_middle $((i / side)))" \
-      >"$folder/$1-$i.txt"
-    touch "$data/world-$i"
-  done
-  stop_server || true
-  touch "$data/complete"
-}
-
-store_mosaic "$seed"
+data="$folder/$seed"
+[ ! -e "$data/complete" ] || exit 0
+rm -rf "$data"
+mkdir -p "$data"
+start_server "$data" "$folder/$seed.log"
+"$build/tests/freelsd-judge-tracks" --side "$side" --seed "$seed" --survey "$url"
+stop_server || true
+touch "$data/complete"
