@@ -261,11 +261,6 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("min_detail_ratio", o.min_detail_ratio);
   visit("max_even_slope_deg", o.max_even_slope_deg);
   visit("max_even_roughness_m", o.max_even_roughness_m);
-  visit("border_ramp_m", o.border_ramp_m);
-  visit("max_border_residual_m", o.max_border_residual_m);
-  visit("min_raised_step_m", o.min_raised_step_m);
-  visit("min_raised_border_m", o.min_raised_border_m);
-  visit("min_raised_border_ratio", o.min_raised_border_ratio);
   visit("min_overreach_deviations", o.min_overreach_deviations);
   visit("overreach_surroundings_m", o.overreach_surroundings_m);
   visit("min_object_deviations", o.min_object_deviations);
