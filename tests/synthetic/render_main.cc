@@ -32,7 +32,6 @@ struct Arguments {
 };
 
 FlightPattern PatternFrom(const std::string& name) {
-  if (name == "circle") return FlightPattern::kCircle;
   if (name == "survey") return FlightPattern::kSurvey;
   return FlightPattern::kLawnmower;
 }
@@ -119,7 +118,7 @@ int main(int argc, char** argv) {
     app.add_option("--height", arguments.height_px, "image height in pixels")
         ->check(CLI::Range(16, 8192));
     app.add_option("--pattern", arguments.pattern, "how the area is flown")
-        ->check(CLI::IsMember({"lawnmower", "circle", "survey"}));
+        ->check(CLI::IsMember({"lawnmower", "survey"}));
     app.add_option("--aircraft", arguments.aircraft, "profile for flight.json")
         ->check(CLI::IsMember({"techpod", "atlantiksolar", "small"}));
     app.add_option("--noise", arguments.noise_scale, "scale of the autopilot's errors")

@@ -350,17 +350,5 @@ TEST_CASE("approach: an empty map and layers of another grid are an answer and a
   CHECK_THROWS_AS(PlanOn(mixed, request), std::invalid_argument);
 }
 
-TEST_CASE("approach: a blocked field is searched in every heading before it is rejected") {
-  Scene meadow = FlatMeadow(900, 900);
-  AddBlock(meadow, {-450, 260}, {450, 270}, 60.0);
-  AddBlock(meadow, {-450, -270}, {450, -260}, 60.0);
-  AddBlock(meadow, {-270, -450}, {-260, 450}, 60.0);
-  AddBlock(meadow, {260, -450}, {270, 450}, 60.0);
-  const PlanRequest request = Request(Box({-100, -100}, {100, 100}), std::nullopt);
-  const Plan plan = PlanOn(meadow, request, *AircraftProfile("techpod"));
-  CHECK(plan.verdict == Verdict::kRejected);
-  REQUIRE(plan.reject_reason.has_value());
-}
-
 }  // namespace
 }  // namespace freelsd
