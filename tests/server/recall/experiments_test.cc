@@ -1,9 +1,8 @@
-// Flights whose memory is "none", and flights with a looser aircraft than every profile.
+// Flights whose memory is "none".
 #include <doctest/doctest.h>
 
 #include "server/recall/recall.h"
 #include "server/recall/terrain_margin.h"
-#include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
 
 namespace freelsd {
@@ -14,9 +13,7 @@ constexpr int64_t kLater = kFirst + 86400000000;
 // Away from the meadow that the server holds anyway.
 constexpr int kPlace = 1;
 
-Flown Kept(const std::string& flight_id = "kept") {
-  return {.flight_id = flight_id, .seen_at_us = kFirst, .place = kPlace};
-}
+Flown Kept() { return {.flight_id = "kept", .seen_at_us = kFirst, .place = kPlace}; }
 
 Flown Experiment(Ground ground) {
   Flown flown{.flight_id = "tried", .seen_at_us = kLater, .ground = ground, .place = kPlace};
@@ -24,19 +21,9 @@ Flown Experiment(Ground ground) {
   return flown;
 }
 
-struct Field : MeadowServer {
-  explicit Field(const std::vector<Flown>& flights)
-      : MeadowServer([&flights](Storage& storage) {
-          MapCache maps({size_t{1} << 24, size_t{1} << 22});
-          for (const Flown& flown : flights) {
-            storage.flights.Insert(FlightOf(flown));
-            Store(storage, maps, flown);
-          }
-        }) {}
+struct Field : FlownServer {
+  using FlownServer::FlownServer;
 
-  nlohmann::json Site(const std::string& id) const {
-    return GetJson(*client, "/v1/sites/" + id)["properties"];
-  }
   nlohmann::json Recall(const std::string& more) const {
     return GetJson(*client,
                    "/v1/emergency?latitude_deg=47.04&longitude_deg=8&altitude_m=1500&heading_deg=0"
@@ -49,9 +36,6 @@ struct Field : MeadowServer {
       if (site["site_id"] == id) return true;
     }
     return false;
-  }
-  int Delete(const std::string& flight, const std::string& query = "") const {
-    return client->Delete("/v1/flights/" + flight + query)->status;
   }
 };
 

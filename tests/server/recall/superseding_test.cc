@@ -5,7 +5,6 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
 #include "tests/server/site_on_map.h"
 
@@ -32,16 +31,9 @@ Flown Later(Ground ground, const std::string& flight_id = "later", int64_t seen_
           .place = kPlace};
 }
 
-struct FieldServer : MeadowServer {
-  explicit FieldServer(const std::vector<Flown>& flights)
-      : MeadowServer([&flights](Storage& storage) {
-          MapCache maps({size_t{1} << 24, size_t{1} << 22});
-          for (const Flown& flown : flights) Store(storage, maps, flown);
-        }) {}
+struct FieldServer : FlownServer {
+  using FlownServer::FlownServer;
 
-  nlohmann::json Site(const std::string& id) const {
-    return GetJson(*client, "/v1/sites/" + id)["properties"];
-  }
   bool IsListed(const std::string& path) const {
     const auto answer = client->Get(path);
     // 409: no site remains for the file.

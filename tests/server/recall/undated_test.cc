@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
 
 namespace freelsd {
@@ -34,16 +33,9 @@ Flown Local(Ground ground) {
   return flown;
 }
 
-struct Field : MeadowServer {
-  explicit Field(const std::vector<Flown>& flights)
-      : MeadowServer([&flights](Storage& storage) {
-          MapCache maps({size_t{1} << 24, size_t{1} << 22});
-          for (const Flown& flown : flights) Store(storage, maps, flown);
-        }) {}
+struct Field : FlownServer {
+  using FlownServer::FlownServer;
 
-  nlohmann::json Site(const std::string& id) const {
-    return GetJson(*client, "/v1/sites/" + id)["properties"];
-  }
   nlohmann::json RecalledAt(const std::string& latitude_deg) const {
     return GetJson(*client,
                    "/v1/emergency?limit=50&heading_deg=0&wind_east_mps=0&wind_north_mps=-4&"
