@@ -147,13 +147,6 @@ TEST_CASE("export: waypoints tell no verdict, so that one unverified site names 
   CHECK(name_of("kml").find("UNVERIFIED") == std::string::npos);
 }
 
-TEST_CASE("export: without a datum an autopilot's file is refused until home is given") {
-  const SitesServer sites("unknown");
-  CheckProblem(sites.client->Get("/v1/sites/f1-r1?f=plan"), 409, "AltitudeUnknown");
-  CheckProblem(sites.client->Get("/v1/flights/f1/sites?f=waypoints"), 409, "AltitudeUnknown");
-  CHECK(sites.client->Get("/v1/sites/f1-r1?f=plan&home_altitude_m=400")->status == 200);
-}
-
 TEST_CASE("export: what makes no sense is refused by name") {
   const SitesServer sites;
   CheckProblem(sites.client->Get("/v1/sites/f1-r1?f=gpx"), 400, "InvalidQuery");
