@@ -134,12 +134,35 @@ const RequestOption* FindRequestOption(std::string_view stage, std::string_view 
   return found == std::end(kRequestOptions) ? nullptr : found;
 }
 
-void RefuseRetiredOption(const std::string& stage,
-                         const std::string& name,
-                         const std::string& pointer) {
-  if (FindRequestOption(stage, name) != nullptr) return;
-  const std::string detail = stage + "." + name + ": is no longer an option of a request";
-  throw ApiError("RetiredOption", detail, {{pointer, detail}});
+// What no stage has any more. A section without fields is retired as a whole.
+const std::vector<std::pair<std::string, std::vector<std::string>>> kFormerOptions{
+    {"hazard",
+     {"cover_method",
+      "border_ramp_m",
+      "max_border_residual_m",
+      "min_raised_step_m",
+      "min_raised_border_m",
+      "min_raised_border_ratio"}},
+    {"heights", {}}};
+
+ApiError RetiredOption(const std::string& option, const std::string& pointer) {
+  const std::string detail = option + ": is no longer an option of a request";
+  return ApiError("RetiredOption", detail, {{pointer, detail}});
+}
+
+void RefuseFormerOptions(ObjectReader& stages) {
+  for (const auto& [stage, names] : kFormerOptions) {
+    const nlohmann::json* const values = stages.Find(stage);
+    if (values == nullptr || !values->is_object()) continue;
+    const std::string pointer = stages.PointerTo(stage);
+    if (names.empty()) throw RetiredOption(stage, pointer);
+    ObjectReader fields(*values, pointer);
+    for (const std::string& name : names) {
+      if (fields.Find(name) != nullptr) {
+        throw RetiredOption(stage + "." + name, fields.PointerTo(name));
+      }
+    }
+  }
 }
 
 // The options that the given ones are read over: those of the preset, or the defaults.
@@ -190,12 +213,17 @@ PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& po
 }
 
 void RefuseRetiredOptions(const nlohmann::json& object, const std::string& pointer) {
+  if (!object.is_object()) return;
+  ObjectReader stages(object, pointer);
+  RefuseFormerOptions(stages);
   const PipelineOptions options;
   VisitStages(options, [&](const std::string& stage, const auto& stage_options) {
-    if (!object.is_object() || !object.contains(stage) || !object.at(stage).is_object()) return;
-    ObjectReader fields(object.at(stage), pointer + "/" + stage);
+    const nlohmann::json* const values = stages.Find(stage);
+    if (values == nullptr || !values->is_object()) return;
+    ObjectReader fields(*values, stages.PointerTo(stage));
     VisitFields(stage_options, [&](const std::string& name, const auto&) {
-      if (fields.Find(name) != nullptr) RefuseRetiredOption(stage, name, fields.PointerTo(name));
+      if (fields.Find(name) == nullptr || FindRequestOption(stage, name) != nullptr) return;
+      throw RetiredOption(stage + "." + name, fields.PointerTo(name));
     });
   });
 }

@@ -30,16 +30,8 @@ inline EnumNames<SegmentationThresholds> NamesOf(SegmentationThresholds) {
           {SegmentationThresholds::kPaper, "paper"}};
 }
 
-inline EnumNames<CoverMethod> NamesOf(CoverMethod) {
-  return {{CoverMethod::kRules, "rules"}, {CoverMethod::kEvidence, "evidence"}};
-}
-
 inline EnumNames<GrassFusion> NamesOf(GrassFusion) {
   return {{GrassFusion::kPosterior, "posterior"}, {GrassFusion::kPaperOr, "paper"}};
-}
-
-inline EnumNames<HeightMethod> NamesOf(HeightMethod) {
-  return {{HeightMethod::kPairs, "pairs"}, {HeightMethod::kPhotographs, "photographs"}};
 }
 
 inline EnumNames<SlopeSupport> NamesOf(SlopeSupport) {
@@ -191,29 +183,6 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
 }
 
 template <class Visitor>
-void VisitFields(Of<HeightsOptions> auto& o, Visitor&& visit) {
-  visit("method", o.method);
-  visit("search_range_m", o.search_range_m);
-  visit("min_thing_height_m", o.min_thing_height_m);
-  visit("thing_prior_probability", o.thing_prior_probability);
-  visit("min_num_thing_neighbours", o.min_num_thing_neighbours);
-  visit("min_mode_gain", o.min_mode_gain);
-  visit("min_proposed_gain", o.min_proposed_gain);
-  visit("max_thing_probability", o.max_thing_probability);
-  visit("max_narrow_width_m", o.max_narrow_width_m);
-  visit("thing_window_m", o.thing_window_m);
-  visit("proposal_window_m", o.proposal_window_m);
-  visit("min_num_views", o.min_num_views);
-  visit("min_baseline_ratio", o.min_baseline_ratio);
-  visit("min_correlation", o.min_correlation);
-  visit("min_contrast", o.min_contrast);
-  visit("max_num_views", o.max_num_views);
-  visit("max_off_nadir_ratio", o.max_off_nadir_ratio);
-  visit("ground_sampling_distance_m", o.ground_sampling_distance_m);
-  visit("height_step_px", o.height_step_px);
-}
-
-template <class Visitor>
 void VisitFields(Of<PhotoOptions> auto& o, Visitor&& visit) {
   visit("orthophoto_cell_size_m", o.orthophoto_cell_size_m);
   visit("min_crossing_ratio", o.min_crossing_ratio);
@@ -239,7 +208,6 @@ void VisitFields(Of<SurfaceOptions> auto& o, Visitor&& visit) {
 
 template <class Visitor>
 void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
-  visit("cover_method", o.cover_method);
   visit("grass_fusion", o.grass_fusion);
   visit("min_grass_posterior", o.min_grass_posterior);
   visit("min_observation_probability", o.min_observation_probability);
@@ -261,11 +229,6 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("min_detail_ratio", o.min_detail_ratio);
   visit("max_even_slope_deg", o.max_even_slope_deg);
   visit("max_even_roughness_m", o.max_even_roughness_m);
-  visit("border_ramp_m", o.border_ramp_m);
-  visit("max_border_residual_m", o.max_border_residual_m);
-  visit("min_raised_step_m", o.min_raised_step_m);
-  visit("min_raised_border_m", o.min_raised_border_m);
-  visit("min_raised_border_ratio", o.min_raised_border_ratio);
   visit("min_overreach_deviations", o.min_overreach_deviations);
   visit("overreach_surroundings_m", o.overreach_surroundings_m);
   visit("min_object_deviations", o.min_object_deviations);
@@ -342,7 +305,6 @@ void VisitStages(Of<PipelineOptions> auto& o, Visitor&& visit) {
   visit("stereo", o.stereo);
   const auto terrain = std::tie(o.terrain, o.hazard.cover.photo);
   visit("terrain", terrain);
-  visit("heights", o.heights);
   const auto hazard = std::tie(o.hazard.surface, o.hazard.cover);
   visit("hazard", hazard);
   const auto approach = std::tie(o.approach, o.approach.risk, o.hazard.cover.clear_class);

@@ -1,6 +1,6 @@
 # shellcheck shell=bash disable=SC2154
-# What demo.sh, test.sh, package.sh and the tests of tests/deploy/ share. To be sourced by a bash script that runs
-# with `set -Eeuo pipefail` in the repository's root; `program` is its name.
+# What demo.sh, test.sh and its parts, package.sh and the tests of tests/deploy/ share. To be sourced by a bash script
+# that runs with `set -Eeuo pipefail` in the repository's root; `program` is its name.
 
 step="starting"
 trap 'echo "$program: stopped while $step (line $LINENO): the lines above say why" >&2' ERR

@@ -110,8 +110,7 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   ElevationMap map = Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
   map.position_sd_m = block.position_sd_m;
   map.tilt_sd_deg = block.tilt_sd_deg;
-  return Timed(
-      reports, "heights", [&] { return DecideHeights(map, block, images, options.heights); });
+  return map;
 }
 
 GroundLayers AssessGround(const ElevationMap& map,

@@ -10,11 +10,7 @@ export const kMostLogOdds = 7.875;
 // What denies grass, or what speaks for and against it.
 const cueNames = {
   views: 'grass in the photographs', look_alike: 'crop that looks like grass', small_object: 'small object',
-  overreach: 'colour unlike its meadow', fence: 'fence', prior: 'before any cue', view_log_odds: 'grass in the photographs',
-  view_log_odds_near: 'grass around it', greenness_contrast: 'greener than around', detail: 'fine detail', tuft_texture: 'tufts',
-  green_texture: 'texture of the green', shadow: 'shadows', row_strength: 'crop rows', rut_density: 'wheel tracks', sprayed: 'spray tracks',
-  cover_height: 'height of the plants', roughness: 'roughness', height_deviation: 'spread of the heights', unevenness: 'unevenness',
-  raised_border: 'raised border',
+  overreach: 'colour unlike its meadow', fence: 'fence',
 };
 
 export const cueName = (cue) => cueNames[cue] ?? words(cue);

@@ -8,7 +8,6 @@
 
 #include "engine/cover/fences.h"
 #include "engine/cover/grass.h"
-#include "engine/cover/kind/kind.h"
 #include "engine/cover/look_alikes.h"
 #include "engine/cover/open_cover.h"
 #include "engine/cover/overreach.h"
@@ -69,6 +68,13 @@ class Denials {
   GroundCover& cover_;
 };
 
+struct CoverInput {
+  const ElevationMap& map;
+  const GroundSurface& surface;
+  const std::vector<GrassView>& grass_views;
+  const Orthophoto& photo;
+};
+
 // Denies overreach of segments and fences.
 void DenySoftBorders(const ElevationMap& map,
                      const GroundSurface& surface,
@@ -86,8 +92,8 @@ void DenySoftBorders(const ElevationMap& map,
   }
 }
 
-// Grass by rules, each of which has a veto.
-void AddGrassByRules(const CueInput& input,
+// Grass by the views, and by rules, each of which has a veto.
+void AddGrassByRules(const CoverInput& input,
                      const CoverOptions& options,
                      MeadowCells& cells,
                      GroundCover& cover) {
@@ -108,19 +114,6 @@ void AddGrassByRules(const CueInput& input,
   cells.is_meadow = cover.grass >= options.min_grass_posterior;
   denials.Deny("small_object", cells.objects);
   DenySoftBorders(map, input.surface, options, photo, cover);
-}
-
-void AddGrassByEvidence(const CueInput& input,
-                        const CoverOptions& options,
-                        MeadowCells& cells,
-                        GroundCover& cover) {
-  const KindModel& model = ShippedKindModel();
-  cells.objects = FindSmallObjects(input.photo, input.map.grid, options);
-  cover.grass =
-      GrassProbability(input, options, model, [&](const char* name, const cv::Mat1f& log_odds) {
-        cover.cues.push_back(LayerOf(name, log_odds));
-      });
-  cells.is_meadow = cover.grass >= options.min_grass_posterior;
 }
 
 }  // namespace
@@ -147,12 +140,7 @@ GroundCover AssessCover(const ElevationMap& map,
   photo.second_image.release();
   photo.second_seen.release();
   MeadowCells cells;
-  const CueInput input{map, surface, grass_views, photo};
-  if (options.cover_method == CoverMethod::kRules) {
-    AddGrassByRules(input, options, cells, cover);
-  } else {
-    AddGrassByEvidence(input, options, cells, cover);
-  }
+  AddGrassByRules({map, surface, grass_views, photo}, options, cells, cover);
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
   cells.is_meadow |= cells.is_clear_class;
   cover.open = FindOpenCover(disagreement, map.grid, cells, options.photo);

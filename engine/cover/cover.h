@@ -12,10 +12,6 @@ namespace freelsd {
 
 enum class GrassFusion { kPosterior, kPaperOr };
 
-// How the kind of ground is told. kRules: the views' posterior, and rules that each set it to 0.
-// kEvidence: one model of all cues (kind/kind.h).
-enum class CoverMethod { kRules, kEvidence };
-
 // Options of the orthophoto and of the comparison of photographs. In error messages the fields are
 // named `terrain.…`.
 struct PhotoOptions {
@@ -64,7 +60,6 @@ struct ClearClassOptions {
 // Rules for ground that looks like a meadow. In error messages the fields are named `hazard.…`.
 struct CoverOptions {
   // --- Behaviour ---
-  CoverMethod cover_method = CoverMethod::kRules;
   // kPosterior: posterior over all observations of a cell. kPaperOr: the paper's OR of all fine
   // masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;
@@ -195,7 +190,7 @@ struct OpenCover {
 
 // What one cue says of each cell, in steps that go into a byte.
 struct CueLayer {
-  // As in kind/cues.h; by rules: "views", and each rule that denies grass.
+  // "views", or the rule that denies grass.
   std::string name;
   cv::Mat_<int8_t> steps;
 };

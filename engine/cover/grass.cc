@@ -196,13 +196,4 @@ cv::Mat1f FuseGrass(const ElevationMap& map,
   return grass;
 }
 
-cv::Mat1f MeanLogOdds(const ElevationMap& map, const std::vector<GrassView>& grass_views) {
-  cv::Mat1f mean(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
-  const double least = 1.0 / (1.0 + std::exp(kMaxViewLogOdds));
-  CountBlocks(map, grass_views, least, 1.0 - least, [&](int row, int col, const Votes& votes) {
-    if (votes.num_votes > 0) mean(row, col) = votes.log_odds / static_cast<float>(votes.num_votes);
-  });
-  return mean;
-}
-
 }  // namespace freelsd

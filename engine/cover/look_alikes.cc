@@ -251,25 +251,6 @@ std::vector<Rows> RowsOfSquares(const Orthophoto& photo,
 
 }  // namespace
 
-cv::Mat1f RowStrengths(const Orthophoto& photo, const CoverOptions& options) {
-  cv::Mat1f strengths = cv::Mat1f::zeros(photo.image.size());
-  for (const PhotoBand& band : BandsOf(photo, kHaloM)) {
-    const Squares squares(band.photo.image.size(), kSquareM, photo.grid.cell_size_m);
-    if (squares.num_rows == 0 || squares.num_cols == 0) continue;
-    cv::Mat1f in_band = cv::Mat1f::zeros(band.photo.image.size());
-    const std::vector<Rows> found = RowsOfSquares(band.photo, squares, options);
-    for (int row = 0; row < squares.num_rows; ++row) {
-      for (int col = 0; col < squares.num_cols; ++col) {
-        const Rows& rows = found[static_cast<size_t>(row * squares.num_cols + col)];
-        in_band(squares.Core(row, col)).setTo(rows.sure_strength);
-      }
-    }
-    const cv::Range own(band.first_row, band.end_row);
-    in_band.rowRange(own - band.photo_first_row).copyTo(strengths.rowRange(own));
-  }
-  return strengths;
-}
-
 cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options) {
   const Squares squares(photo.image.size(), kSquareM, photo.grid.cell_size_m);
   cv::Mat1b mask = cv::Mat1b::zeros(photo.image.size());

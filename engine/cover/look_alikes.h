@@ -14,10 +14,6 @@ cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const CoverO
 // spectrum across the whole field. One value per cell of the orthophoto: 255 or 0.
 cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options);
 
-// How strong one direction and one spacing of rows are around each cell of the orthophoto; 0 where
-// there is no spectrum.
-cv::Mat1f RowStrengths(const Orthophoto& photo, const CoverOptions& options);
-
 // Water covered with algae is green and even, but lacks detail as fine as a tuft of grass. One
 // value per cell of the orthophoto: 255 or 0.
 cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options);

@@ -61,13 +61,6 @@ std::vector<MapBand> MapBandsOf(const Orthophoto& photo, const Grid& grid) {
   return bands;
 }
 
-MapBand Grown(const MapBand& band, int num_rows, const Grid& grid) {
-  const int num_parts = band.photo_rows.size() / band.map_rows.size();
-  const cv::Range rows(std::max(0, band.map_rows.start - num_rows),
-                       std::min(grid.num_rows, band.map_rows.end + num_rows));
-  return {rows, {rows.start * num_parts, rows.end * num_parts}};
-}
-
 cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid) {
   cv::Mat1b share;
   cv::resize(found, share, {grid.num_cols, grid.num_rows}, 0.0, 0.0, cv::INTER_AREA);

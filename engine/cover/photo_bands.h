@@ -35,10 +35,8 @@ struct MapBand {
   cv::Range photo_rows;
 };
 
-// From north to south, without halo. `grid` is the map's.
+// From north to south. `grid` is the map's.
 std::vector<MapBand> MapBandsOf(const Orthophoto& photo, const Grid& grid);
-// The rows, grown by `num_rows` of map cells to both sides as far as the map reaches.
-MapBand Grown(const MapBand& band, int num_rows, const Grid& grid);
 
 // One value per map cell: 255 if the cell contains a found cell of the orthophoto, else 0.
 cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid);

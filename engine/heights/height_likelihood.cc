@@ -3,13 +3,16 @@
 
 #include "engine/heights/heights.h"
 #include "engine/heights/plane_sweep.h"
-#include "engine/heights/thing_measure.h"
 
 namespace freelsd {
 namespace {
 
 // Neighbouring samples share pixels.
 constexpr double kIndependentRatio = 0.5;
+// Variance of log brightness that any camera has: keeps ratios finite.
+constexpr float kLeastVariance = 1e-5f;
+// Things narrower than this do not lift the surface that is searched from.
+constexpr double kSurfaceWindowM = 9.0;
 
 // The blocks around a cell, as many on each side.
 cv::Rect BlocksAround(const cv::Point& cell, int cells_per_block) {
@@ -24,15 +27,13 @@ cv::Rect BlocksAround(const cv::Point& cell, int cells_per_block) {
 std::optional<HeightLikelihood> HeightLikelihoodAt(const Eigen::Vector2d& place_in_world,
                                                    const ElevationMap& map,
                                                    const AdjustedBlock& block,
-                                                   const ImageSource& images,
-                                                   const HeightsOptions& options) {
-  options.Check();
+                                                   const ImageSource& images) {
   const auto cell = map.grid.CellAt(place_in_world);
   if (!cell || !map.IsSeen(cell->y, cell->x)) return std::nullopt;
-  const ProposalSurface surface(map, options.proposal_window_m);
-  const SampleGrid samples = SampleGridOf(map.grid, options);
+  const ProposalSurface surface(map, kSurfaceWindowM);
+  const SampleGrid samples = SampleGridOf(map.grid);
   GroundPhotographs photographs(block, images, samples.SampleM());
-  PlaneSweep sweep(surface, samples, block, photographs, options);
+  PlaneSweep sweep(surface, samples, block, photographs);
   const cv::Rect cells = BlocksAround(*cell, samples.cells_per_block);
   const auto tile = sweep.Sweep(cells);
   if (!tile) return std::nullopt;

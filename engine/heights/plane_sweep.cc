@@ -15,17 +15,28 @@ constexpr int kMaxSamplesPerCell = 10;
 // Steps finer than this cost and tell nothing; coarser ones would step over a thing.
 constexpr double kMinStepM = 0.125;
 constexpr double kMaxStepM = 0.25;
+// Spacing of heights: disparity between the outermost views, in samples.
+constexpr double kHeightStepPx = 0.5;
+// Heights from this far below to this far above the surface are tried.
+constexpr double kSearchRangeM = 2.0;
+// Spacing of samples on the ground; a map cell is a whole number of them.
+constexpr double kSamplingM = 0.2;
+// Views per block, those that spread widest.
+constexpr int kMaxNumViews = 8;
+// Views are not used beyond this horizontal distance, as a share of their height above ground:
+// there, things hide the ground behind them.
+constexpr double kMaxOffNadirRatio = 1.2;
 
 // Position in a photograph, by height; nothing where it is outside at the proposed height. At other
 // heights the photograph's edge repeats: only these heights suffer.
 std::optional<LiftedCorner> CornerIn(const GroundPhotograph& photograph,
                                      const Camera& camera,
                                      const Rigid3d& camera_from_world,
-                                     const Eigen::Vector3d& place_in_world,
-                                     double range_m) {
+                                     const Eigen::Vector3d& place_in_world) {
   std::array<Eigen::Vector2d, 3> at;
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d lifted = place_in_world + Eigen::Vector3d(0.0, 0.0, (i - 1) * range_m);
+    const Eigen::Vector3d lifted =
+        place_in_world + Eigen::Vector3d(0.0, 0.0, (i - 1) * kSearchRangeM);
     const auto pixel = camera.ImageFromCamera(camera_from_world * lifted);
     if (!pixel) return std::nullopt;
     const auto index = static_cast<size_t>(i);
@@ -52,9 +63,9 @@ struct PlaneSweep::LiftedBlock {
   double baseline_ratio = 0.0;
 };
 
-SampleGrid SampleGridOf(const Grid& grid, const HeightsOptions& options) {
+SampleGrid SampleGridOf(const Grid& grid) {
   SampleGrid samples{grid};
-  const double per_cell = grid.cell_size_m / options.ground_sampling_distance_m;
+  const double per_cell = grid.cell_size_m / kSamplingM;
   samples.samples_per_cell =
       std::clamp(static_cast<int>(std::lround(per_cell)), 1, kMaxSamplesPerCell);
   samples.cells_per_block =
@@ -65,13 +76,8 @@ SampleGrid SampleGridOf(const Grid& grid, const HeightsOptions& options) {
 PlaneSweep::PlaneSweep(const ProposalSurface& surface,
                        const SampleGrid& samples,
                        const AdjustedBlock& block,
-                       GroundPhotographs& photographs,
-                       const HeightsOptions& options)
-    : surface_(surface),
-      samples_(samples),
-      block_(block),
-      photographs_(photographs),
-      options_(options) {}
+                       GroundPhotographs& photographs)
+    : surface_(surface), samples_(samples), block_(block), photographs_(photographs) {}
 
 std::vector<PlaneSweep::View> PlaneSweep::ViewsAround(const cv::Rect& cells) {
   std::vector<View> views;
@@ -81,7 +87,7 @@ std::vector<PlaneSweep::View> PlaneSweep::ViewsAround(const cv::Rect& cells) {
   for (size_t v = 0; v < block_.views.size(); ++v) {
     const AdjustedView& view = block_.views[v];
     if (!view.is_connected) continue;
-    const double farthest = options_.max_off_nadir_ratio * view.height_above_ground + reach;
+    const double farthest = kMaxOffNadirRatio * view.height_above_ground + reach;
     if ((view.world_from_camera.translation.head<2>() - middle).norm() > farthest) continue;
     View around{v, photographs_.Of(v), block_.CameraOf(v), Inverse(view.world_from_camera)};
     if (!around.photograph->detail.empty()) views.push_back(std::move(around));
@@ -109,15 +115,12 @@ PlaneSweep::LiftedBlock PlaneSweep::Lift(const cv::Rect& cells,
         block_.views[view.index].world_from_camera.translation.head<2>() - corners[0].head<2>();
     const double height =
         block_.views[view.index].world_from_camera.translation.z() - corners[0].z();
-    if (offset.norm() > options_.max_off_nadir_ratio * height) continue;
+    if (offset.norm() > kMaxOffNadirRatio * height) continue;
     LiftedView seen{&view.photograph->detail, {}};
     bool is_seen = true;
     for (size_t i = 0; is_seen && i < corners.size(); ++i) {
-      const auto corner = CornerIn(*view.photograph,
-                                   view.camera,
-                                   view.camera_from_world,
-                                   corners[i],
-                                   options_.search_range_m);
+      const auto corner =
+          CornerIn(*view.photograph, view.camera, view.camera_from_world, corners[i]);
       is_seen = corner.has_value();
       if (is_seen) seen.corners[i] = *corner;
     }
@@ -125,7 +128,7 @@ PlaneSweep::LiftedBlock PlaneSweep::Lift(const cv::Rect& cells,
     seeing.push_back(view.index);
     all.push_back(seen);
   }
-  const ChosenViews chosen = ChooseViews(block_, seeing, corners[0], options_.max_num_views);
+  const ChosenViews chosen = ChooseViews(block_, seeing, corners[0], kMaxNumViews);
   lifted.views.reserve(chosen.views.size());
   for (const size_t view : chosen.views) {
     const auto at = std::find(seeing.begin(), seeing.end(), view);
@@ -136,14 +139,12 @@ PlaneSweep::LiftedBlock PlaneSweep::Lift(const cv::Rect& cells,
 }
 
 std::vector<double> PlaneSweep::HeightsFor(double baseline_ratio) const {
-  const double step =
-      std::clamp(options_.height_step_px * samples_.SampleM() / std::max(baseline_ratio, 1e-3),
-                 kMinStepM,
-                 kMaxStepM);
-  const int half = static_cast<int>(std::ceil(options_.search_range_m / step));
+  const double step = std::clamp(
+      kHeightStepPx * samples_.SampleM() / std::max(baseline_ratio, 1e-3), kMinStepM, kMaxStepM);
+  const int half = static_cast<int>(std::ceil(kSearchRangeM / step));
   std::vector<double> heights;
   heights.reserve(static_cast<size_t>(2 * half + 1));
-  for (int i = -half; i <= half; ++i) heights.push_back(i * options_.search_range_m / half);
+  for (int i = -half; i <= half; ++i) heights.push_back(i * kSearchRangeM / half);
   return heights;
 }
 
@@ -186,7 +187,7 @@ std::optional<SweptTile> PlaneSweep::Sweep(const cv::Rect& cells) {
         const int col = static_cast<int>(b) % num_blocks.width * per_block;
         const cv::Rect at(col, row, per_block, per_block);
         CompareViews(blocks[b].views,
-                     tile.heights[h] / options_.search_range_m,
+                     tile.heights[h] / kSearchRangeM,
                      pattern,
                      {tile.variance[h](at), tile.power[h](at)});
       }

@@ -20,7 +20,7 @@ struct SampleGrid {
   double SampleM() const { return grid.cell_size_m / samples_per_cell; }
 };
 
-SampleGrid SampleGridOf(const Grid& grid, const HeightsOptions& options);
+SampleGrid SampleGridOf(const Grid& grid);
 
 // A square of blocks, in cells of the map; a part of it may lie outside the grid.
 struct SweptTile {
@@ -39,8 +39,7 @@ class PlaneSweep {
   PlaneSweep(const ProposalSurface& surface,
              const SampleGrid& samples,
              const AdjustedBlock& block,
-             GroundPhotographs& photographs,
-             const HeightsOptions& options);
+             GroundPhotographs& photographs);
   // Nothing if fewer than two views see any block. `cells`: a whole number of blocks.
   std::optional<SweptTile> Sweep(const cv::Rect& cells);
 
@@ -55,7 +54,6 @@ class PlaneSweep {
   SampleGrid samples_;
   const AdjustedBlock& block_;
   GroundPhotographs& photographs_;
-  HeightsOptions options_;
 };
 
 }  // namespace freelsd

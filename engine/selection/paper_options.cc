@@ -87,7 +87,6 @@ StereoOptions PaperStereo() {
 // Sec. III-G: the OR of all masks, and no rule for what looks like grass.
 CoverOptions PaperCover() {
   CoverOptions options;
-  options.cover_method = CoverMethod::kRules;
   options.grass_fusion = GrassFusion::kPaperOr;
   options.min_vote_ratio = 0.0;
   options.min_rut_contrast = 0.0;
@@ -148,7 +147,6 @@ PipelineOptions PaperOptions() {
   options.adjustment = PaperAdjustment();
   options.stereo = PaperStereo();
   options.terrain.height_fusion = HeightFusion::kPaperMean;  // Sec. III-G, IDW
-  options.heights.method = HeightMethod::kPairs;             // Sec. III-F
   options.hazard = PaperHazard();
   options.approach = PaperApproach();
   options.backend = PaperBackend();

@@ -13,7 +13,6 @@
 #include "engine/classification/classification.h"
 #include "engine/flight/flight.h"
 #include "engine/hazard/hazard.h"
-#include "engine/heights/heights.h"
 #include "engine/obstacles/obstacles.h"
 #include "engine/regions/regions.h"
 #include "engine/segmentation/segmentation.h"
@@ -61,7 +60,6 @@ struct PipelineOptions {
   AdjustmentOptions adjustment;
   StereoOptions stereo;
   TerrainOptions terrain;
-  HeightsOptions heights;
   HazardOptions hazard;
   ApproachOptions approach;
   BackendOptions backend;

@@ -27,7 +27,6 @@ void PipelineOptions::Check() const {
   adjustment.Check();
   stereo.Check();
   terrain.Check();
-  heights.Check();
   hazard.Check();
   approach.Check();
   backend.Check();

@@ -24,6 +24,8 @@ constexpr int64_t kMaxClockErrorUs = int64_t{120} * 1000000;
 constexpr int64_t kMaxJitterUs = int64_t{2} * 1000000;
 // A chain sets the clock if it has samples that arrived in so many different seconds.
 constexpr int kMinNumSeconds = 5;
+// Where none has, fewer samples than these set no clock that is far ahead.
+constexpr int kMinNumAhead = 5;
 
 // Nothing if the server's clock was never set. Of an aircraft's clock that was never set, or that
 // shows another day, delays tell the order only.
@@ -100,8 +102,7 @@ std::optional<int64_t> DifferenceUs(std::vector<Chain> chains) {
   }
   if (told->Lasts()) return told->least_delay_us;
   if (IsOfAnotherDay(told->least_delay_us)) return std::nullopt;
-  // A few samples far ahead set no clock, not even alone.
-  const bool is_lone = told->num_samples < kMinNumSeconds;
+  const bool is_lone = told->num_samples < kMinNumAhead;
   return is_lone ? std::max(told->least_delay_us, -kMaxClockErrorUs) : told->least_delay_us;
 }
 
@@ -139,6 +140,8 @@ std::optional<double> FlightClock::AgeS(const ArrivedSample& sample, int64_t now
     if (IsOfAnotherDay(later_us)) return since_arrival_s;
     return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, later_us)) * 1e-6;
   }
+  // A clock that was set is no longer: the aircraft's computer has started again.
+  if (sample.timestamp_us < kFirstPlausibleUs) return since_arrival_s;
   if (*delay_us < std::min<int64_t>(0, *difference_us_) - kMaxJitterUs) return std::nullopt;
   const int64_t error_us = *difference_us_ > kMaxClockErrorUs ? 0 : *difference_us_;
   return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;

@@ -1,14 +1,6 @@
 // What guidance tells the autopilot, as commands of MAVLink.
 
-const doSetMode = 176;
-const doChangeSpeed = 178;
-const doReposition = 192;
-const globalFrame = 0;
-const changesMode = 1;
-const customMode = 1;
-const airspeed = 0;
-// AUTO of ArduPlane.
-const missionMode = 10;
+import { MavCmd, MavDoRepositionFlags, MavFrame, MavModeFlag, PlaneMode, SpeedType } from './messages.js';
 
 export class Autopilot {
   #send;
@@ -26,17 +18,17 @@ export class Autopilot {
   // target: place with altitude_m above mean sea level, and radius_m.
   goTo({ latitude_deg, longitude_deg, altitude_m, radius_m }, mayChangeMode) {
     this.#send('COMMAND_INT', {
-      ...this.#address(), frame: globalFrame, command: doReposition, current: 0, autocontinue: 0,
-      _param1: -1, _param2: mayChangeMode ? changesMode : 0, _param3: radius_m, _param4: NaN,
+      ...this.#address(), frame: MavFrame.GLOBAL, command: MavCmd.DO_REPOSITION, current: 0, autocontinue: 0,
+      _param1: -1, _param2: mayChangeMode ? MavDoRepositionFlags.CHANGE_MODE : 0, _param3: radius_m, _param4: NaN,
       _param5: Math.round(latitude_deg * 1e7), _param6: Math.round(longitude_deg * 1e7), _param7: altitude_m,
     });
   }
 
-  setSpeed(airspeed_mps) { this.#command(doChangeSpeed, [airspeed, airspeed_mps, -1]); }
+  setSpeed(airspeed_mps) { this.#command(MavCmd.DO_CHANGE_SPEED, [SpeedType.AIRSPEED, airspeed_mps, -1]); }
 
   // The mission is flown from its current item, which is the LAND.
   beginFinal() {
-    this.#command(doSetMode, [customMode, missionMode]);
+    this.#command(MavCmd.DO_SET_MODE, [MavModeFlag.CUSTOM_MODE_ENABLED, PlaneMode.AUTO]);
     const seq = this.#landItem();
     if (seq !== undefined) this.#send('MISSION_SET_CURRENT', { ...this.#address(), seq });
   }

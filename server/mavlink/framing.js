@@ -2,14 +2,14 @@
 
 import mavlink from 'node-mavlink';
 
-const { x25crc, MSG_ID_MAGIC_NUMBER } = mavlink;
+const { MavLinkPacketSignature, MavLinkProtocol, MavLinkProtocolV1, MavLinkProtocolV2, MSG_ID_MAGIC_NUMBER, x25crc } = mavlink;
 
-const startOfV1 = 0xfe;
-const startOfV2 = 0xfd;
-const headerBytes = { [startOfV1]: 6, [startOfV2]: 10 };
-const checksumBytes = 2;
-export const signatureBytes = 13;
-const signedFlag = 0x01;
+const startOfV1 = MavLinkProtocolV1.START_BYTE;
+const startOfV2 = MavLinkProtocolV2.START_BYTE;
+const headerBytes = { [startOfV1]: MavLinkProtocolV1.PAYLOAD_OFFSET, [startOfV2]: MavLinkProtocolV2.PAYLOAD_OFFSET };
+const checksumBytes = MavLinkProtocol.CHECKSUM_LENGTH;
+const signatureBytes = MavLinkPacketSignature.SIGNATURE_LENGTH;
+const signedFlag = MavLinkProtocolV2.IFLAG_SIGNED;
 
 function lengthOf(bytes, start) {
   const version = bytes[start];

@@ -2,7 +2,7 @@
 // Listens to an autopilot, sends its telemetry to freelsd-server, and brings landing missions to it.
 // What it may send to the autopilot is in outgoing.js.
 
-import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
+import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { ChangeStore } from './mission/change_store.js';
@@ -26,6 +26,7 @@ import { Service } from './service.js';
 import { Sessions } from './sessions.js';
 import { readKey, Signing } from './signing.js';
 import { Spool } from './spool.js';
+import { replaceFile } from './state_file.js';
 import { Uplink } from './uplink.js';
 
 const flushPeriod_ms = 100;
@@ -69,10 +70,8 @@ function stateOf(parts, connection) {
   };
 }
 
-function saveState(path, state) {
-  writeFileSync(`${path}.new`, `${JSON.stringify({ links: [state] }, undefined, 2)}\n`);
-  renameSync(`${path}.new`, path);
-}
+// Anyone may read it.
+const saveState = (path, state) => replaceFile(path, `${JSON.stringify({ links: [state] }, undefined, 2)}\n`, 0o666);
 
 // A full disk must not end the program: it still delivers what it hears.
 function saveAll(parts, config, connection) {

@@ -1,9 +1,8 @@
 // The program's own heartbeat.
 
-const onboardController = 18;
-const noAutopilot = 8;
-const active = 4;
+import { MavAutopilot, MavState, MavType } from './messages.js';
 
 export const heartbeat = {
-  type: onboardController, autopilot: noAutopilot, baseMode: 0, customMode: 0, systemStatus: active, mavlinkVersion: 3,
+  type: MavType.ONBOARD_CONTROLLER, autopilot: MavAutopilot.INVALID, baseMode: 0, customMode: 0,
+  systemStatus: MavState.ACTIVE, mavlinkVersion: 3,
 };

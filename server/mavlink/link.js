@@ -5,14 +5,13 @@ import { EngineWatch } from './engine/engine_watch.js';
 import { capturedOf, feedbackOf, isTriggerPlace, placeOf, triggerOf } from './frames/camera_messages.js';
 import { packetsInDatagram, PacketReader } from './framing.js';
 import { heardMessages } from './mission/landings.js';
-import { fieldsOf, idOf, nameOf } from './messages.js';
+import { fieldsOf, idOf, MavModeFlag, nameOf } from './messages.js';
 import { autopilotName, modeName, typeName } from './modes.js';
 import { Pin } from './pin.js';
 import { isAttitude, longestGap_s, PositionGate } from './plausibility.js';
 import { Samples } from './samples.js';
 import { WindSource } from './wind_source.js';
 
-const armedFlag = 128;
 const degrees = (radians) => (radians * 180) / Math.PI;
 // From here upwards a time is UNIX time, not time since boot.
 const firstUnix_us = 1e15;
@@ -147,12 +146,12 @@ export class Link {
 
   #onHeartbeat(heartbeat) {
     this.#heard_us = this.#steady_us();
-    const isArmed = (heartbeat.baseMode & armedFlag) !== 0;
+    const isArmed = (heartbeat.baseMode & MavModeFlag.SAFETY_ARMED) !== 0;
     if (this.#heartbeat && isArmed !== this.#isArmed) this.#onEvent(isArmed ? 'armed' : 'disarmed');
     this.#heartbeat = heartbeat;
   }
 
-  get #isArmed() { return ((this.#heartbeat?.baseMode ?? 0) & armedFlag) !== 0; }
+  get #isArmed() { return ((this.#heartbeat?.baseMode ?? 0) & MavModeFlag.SAFETY_ARMED) !== 0; }
 
   #hear(boot_ms, now_us) {
     if (this.#clock.hear(boot_ms, now_us)) return;

@@ -1,12 +1,7 @@
 // Names of vehicle types and flight modes, as people know them.
 
-import mavlink from 'node-mavlink';
+import { MavAutopilot, MavType, PlaneMode } from './messages.js';
 
-const { MavType, MavAutopilot } = mavlink.minimal;
-const { PlaneMode } = mavlink.ardupilotmega;
-
-const ardupilot = 3;
-const px4 = 12;
 const px4MainModes = {
   1: 'MANUAL', 2: 'ALTCTL', 3: 'POSCTL', 4: 'AUTO', 5: 'ACRO', 6: 'OFFBOARD', 7: 'STABILIZED',
   10: 'TERMINATION', 11: 'ALTITUDE_CRUISE',
@@ -21,8 +16,8 @@ export const autopilotName = (autopilot) =>
   (MavAutopilot[autopilot] ?? `autopilot ${autopilot}`).toLowerCase();
 
 export function modeName(autopilot, customMode) {
-  if (autopilot === ardupilot) return PlaneMode[customMode] ?? `mode ${customMode}`;
-  if (autopilot === px4) {
+  if (autopilot === MavAutopilot.ARDUPILOTMEGA) return PlaneMode[customMode] ?? `mode ${customMode}`;
+  if (autopilot === MavAutopilot.PX4) {
     const main = (customMode >> 16) & 0xff;
     const sub = (customMode >> 24) & 0xff;
     const name = px4MainModes[main] ?? `mode ${main}`;

@@ -3,23 +3,20 @@
 // Not in the list, and refused: arming and disarming, taking off, setting parameters, servos, relays,
 // motors, the home, and every other message and command of MAVLink.
 
-import { checksumExtraOf, idOf, messageOf, packetBytes } from './messages.js';
+import { MavCmd, MavComponent, MavModeFlag, messageOf, packetBytes, PlaneMode, SpeedType } from './messages.js';
 
 // A companion computer is a component of the aircraft's own system. It is no ground station, so the
 // autopilot's ground station failsafe does not count it.
-export const ownComponent = 191;
+export const ownComponent = MavComponent.ONBOARD_COMPUTER;
 
-const mavCmd = { doSetMode: 176, doChangeSpeed: 178, doLandStart: 189, doReposition: 192 };
-const airspeed = 0;
-// AUTO and GUIDED of ArduPlane.
-const autoModes = new Set([10, 15]);
+const autoModes = new Set([PlaneMode.AUTO, PlaneMode.GUIDED]);
 
 // Each one tells whether it may be sent, by its fields.
 const allowedCommands = {
-  [mavCmd.doSetMode]: ({ _param1, _param2 }) => _param1 === 1 && autoModes.has(_param2),
-  [mavCmd.doChangeSpeed]: ({ _param1 }) => _param1 === airspeed,
-  [mavCmd.doLandStart]: () => true,
-  [mavCmd.doReposition]: () => true,
+  [MavCmd.DO_SET_MODE]: ({ _param1, _param2 }) => _param1 === MavModeFlag.CUSTOM_MODE_ENABLED && autoModes.has(_param2),
+  [MavCmd.DO_CHANGE_SPEED]: ({ _param1 }) => _param1 === SpeedType.AIRSPEED,
+  [MavCmd.DO_LAND_START]: () => true,
+  [MavCmd.DO_REPOSITION]: () => true,
 };
 const isAllowedCommand = (fields) => allowedCommands[fields.command]?.(fields) ?? false;
 
@@ -64,9 +61,8 @@ export class Outgoing {
 
   #bytes(name, fields) {
     const bytes = packetBytes(messageOf(name, fields), {
-      systemId: this.#systemId(), componentId: ownComponent, sequence: this.#sequence++,
+      systemId: this.#systemId(), componentId: ownComponent, sequence: this.#sequence++, isSigned: Boolean(this.#signing),
     });
-    if (!this.#signing) return bytes;
-    return this.#signing.signed(bytes, { linkId: ownComponent, extra: checksumExtraOf(idOf[name]) });
+    return this.#signing?.signed(bytes, { linkId: ownComponent }) ?? bytes;
   }
 }

@@ -1,11 +1,7 @@
 // Which packets are of our autopilot: one system, its components, one peer.
 
-import { idOf } from './messages.js';
+import { idOf, MavAutopilot, MavComponent, MavType } from './messages.js';
 
-const firstCameraComponent = 100;
-const lastCameraComponent = 105;
-const groundStation = 6;
-const noAutopilot = 8;
 // A peer that is silent for this long may come back from another port of the same host, as a
 // simulator or a router does after its restart.
 const silence_us = 10e6;
@@ -38,8 +34,8 @@ export class Pin {
   refusal(packet, from, now_us, heartbeat) {
     if (this.systemId !== undefined && packet.systemId !== this.systemId) return 'other_system';
     if (this.componentId !== undefined && packet.componentId !== this.componentId) {
-      const isCamera = packet.componentId >= firstCameraComponent &&
-        packet.componentId <= lastCameraComponent && cameraMessages.has(packet.messageId);
+      const isCamera = packet.componentId >= MavComponent.CAMERA &&
+        packet.componentId <= MavComponent.CAMERA6 && cameraMessages.has(packet.messageId);
       return isCamera && from === this.peer ? undefined : 'other_component';
     }
     const isPinned = this.peer === from && this.componentId !== undefined;
@@ -50,8 +46,8 @@ export class Pin {
 
   // Only an autopilot's heartbeat pins: not one of a ground station, gimbal or camera.
   #pinBy(heartbeat, packet, from) {
-    const isAutopilot = heartbeat && heartbeat.autopilot !== noAutopilot &&
-      heartbeat.type !== groundStation;
+    const isAutopilot = heartbeat && heartbeat.autopilot !== MavAutopilot.INVALID &&
+      heartbeat.type !== MavType.GCS;
     if (!isAutopilot) return false;
     this.systemId = packet.systemId;
     this.componentId = packet.componentId;

@@ -1,9 +1,7 @@
 // Which flight of the service a sample belongs to. A restart of this program, or of the autopilot,
 // in the air does not begin another one; a long pause does.
 
-import { renameSync, writeFileSync } from 'node:fs';
-
-import { readState } from './state_file.js';
+import { readState, replaceFile } from './state_file.js';
 
 const longestPause_us = 15 * 60 * 1e6;
 // The autopilot's clock may be corrected.
@@ -42,8 +40,7 @@ export class Sessions {
 
   save() {
     if (this.#isSaved) return;
-    writeFileSync(`${this.#path}.new`, JSON.stringify(this.#current), { mode: 0o600 });
-    renameSync(`${this.#path}.new`, this.#path);
+    replaceFile(this.#path, JSON.stringify(this.#current));
     this.#isSaved = true;
   }
 }

@@ -6,11 +6,11 @@
 
 import {
   closeSync, fdatasync, fdatasyncSync, mkdirSync, openSync, readFileSync, readSync, readdirSync,
-  renameSync, statSync, unlinkSync, writeFileSync, writeSync,
+  statSync, unlinkSync, writeSync,
 } from 'node:fs';
 import { join } from 'node:path';
 
-import { readState } from './state_file.js';
+import { readState, replaceFile } from './state_file.js';
 
 const segmentBytes = 1024 * 1024;
 const newline = 0x0a;
@@ -189,11 +189,7 @@ export class Spool {
     this.#segments = this.#segments.filter((one) => one !== segment);
   }
 
-  #saveRead() {
-    const path = join(this.#folder, 'read.json');
-    writeFileSync(`${path}.new`, JSON.stringify(this.#read), { mode: 0o600 });
-    renameSync(`${path}.new`, path);
-  }
+  #saveRead() { replaceFile(join(this.#folder, 'read.json'), JSON.stringify(this.#read)); }
 }
 
 function parsed(text) {

@@ -1,6 +1,6 @@
 // Small files of state beside the spool.
 
-import { readFileSync, renameSync } from 'node:fs';
+import { readFileSync, renameSync, writeFileSync } from 'node:fs';
 
 const tell = (text) => console.error(text);
 
@@ -23,4 +23,10 @@ export function readState(path, log = tell, reviver = undefined) {
     log(`${path} cannot be read and is set aside as ${path}.broken: ${error.message}`);
     return undefined;
   }
+}
+
+// The old text or the new one, also after the program was killed.
+export function replaceFile(path, text, mode = 0o600) {
+  writeFileSync(`${path}.new`, text, { mode });
+  renameSync(`${path}.new`, path);
 }

@@ -3,9 +3,7 @@
 // A value in the spool is { session, line }: `session` names the flight that the line belongs to.
 // `flights.json` beside the spool knows the service's id of each session.
 
-import { renameSync, writeFileSync } from 'node:fs';
-
-import { readState } from './state_file.js';
+import { readState, replaceFile } from './state_file.js';
 
 const batchBytes = 128 * 1024;
 const firstPause_ms = 200;
@@ -112,7 +110,6 @@ export class Uplink {
     this.#flights[session] = flightId;
     const newest = Object.entries(this.#flights).slice(-maxNumSessions);
     this.#flights = Object.fromEntries(newest);
-    writeFileSync(`${this.#path}.new`, JSON.stringify(this.#flights), { mode: 0o600 });
-    renameSync(`${this.#path}.new`, this.#path);
+    replaceFile(this.#path, JSON.stringify(this.#flights));
   }
 }

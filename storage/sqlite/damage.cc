@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <string_view>
 
 #include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/schema.h"
@@ -67,9 +68,11 @@ Head HeadOf(const std::filesystem::path& file) {
   return head;
 }
 
+// Nothing of a file that is not one of SQLite, because it is damaged.
 Stamp StampInHead(const std::filesystem::path& file) {
   constexpr size_t kPlaceOfNumber = 60, kPlaceOfApplicationId = 68;
   const Head head = HeadOf(file);
+  if (!std::string_view(head.data(), head.size()).starts_with("SQLite format 3")) return {};
   return {static_cast<int32_t>(NumberAt(head, kPlaceOfNumber)),
           static_cast<int32_t>(NumberAt(head, kPlaceOfApplicationId))};
 }

@@ -153,7 +153,9 @@ void StorageState::MarkCopyDamaged(const std::string& why) {
 void StorageState::OpenSchemas() {
   const bool was_used = std::filesystem::exists(folder / kDatabaseFileName);
   OpenSchema(writer);
-  first_map_number = FirstMapNumberOf(folder, folder / kDatabaseName, writer);
+  // A forgotten flight may come again, and its maps that a cache knows must not have their ids again.
+  first_map_number = std::max(FirstMapNumberOf(folder, folder / kDatabaseName, writer),
+                              writer.Int("SELECT 1 + coalesce(max(number), 0) FROM maps"));
   On(copy_writer, [&](Connection& copy) {
     if (OpenSchema(copy) && was_used && aside.IsEmpty() && LastChangeOf(writer) > 0) {
       notices.Add("the second copy of the sites was missing; it was made anew from the database");

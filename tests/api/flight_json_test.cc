@@ -149,6 +149,10 @@ TEST_CASE("flight: a field of the engine that is no option of a request is refus
   CHECK(ErrorWith("/options/wind", {{"radius", 2}}) == "422 UnknownKey /options/wind/radius");
   CHECK(ErrorWith("/options", 3) == "422 InvalidValue /options");
   CHECK(ErrorWith("/options/wind", 3) == "422 InvalidValue /options/wind");
+  CHECK(ErrorWith("/options/hazard", {{"cover_method", "rules"}}) ==
+        "422 RetiredOption /options/hazard/cover_method");
+  CHECK(ErrorWith("/options/heights", {{"method", "pairs"}}) ==
+        "422 RetiredOption /options/heights");
   const nlohmann::json all = OptionsValuesJson(PipelineOptions{});
   int num_taken = 0;
   for (const auto& [stage, fields] : all.items()) {

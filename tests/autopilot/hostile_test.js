@@ -7,10 +7,9 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test from 'node:test';
 
-import { packetsInDatagram } from '../../server/mavlink/framing.js';
 import { lock } from '../../server/mavlink/lock.js';
 import { Link } from '../../server/mavlink/link.js';
-import { checksumExtraOf, idOf, messageOf, packetBytes } from '../../server/mavlink/messages.js';
+import { idOf, messageOf, packetBytes } from '../../server/mavlink/messages.js';
 import { Sessions } from '../../server/mavlink/sessions.js';
 import { Signing } from '../../server/mavlink/signing.js';
 import { Spool } from '../../server/mavlink/spool.js';
@@ -22,8 +21,8 @@ const home = '127.0.0.1 14550';
 const start_us = Date.UTC(2026, 5, 1) * 1000;
 
 let sequence = 0;
-const bytesOf = (name, fields, { systemId = 1, componentId = 1, version = 2 } = {}) =>
-  packetBytes(messageOf(name, fields), { systemId, componentId, version, sequence: sequence++ });
+const bytesOf = (name, fields, { systemId = 1, componentId = 1, version = 2, isSigned = false } = {}) =>
+  packetBytes(messageOf(name, fields), { systemId, componentId, version, isSigned, sequence: sequence++ });
 
 const heartbeat = (more = {}) => bytesOf('HEARTBEAT', {
   type: 1, autopilot: 3, baseMode: 128, customMode: 10, systemStatus: 4, mavlinkVersion: 3 }, more);
@@ -96,21 +95,20 @@ test('with a key only fresh packets of that key are believed, also after a resta
   const key = Buffer.alloc(32, 7);
   let now_ms = Date.UTC(2026, 5, 1);
   const sign = (bytes, withKey = key) => {
-    const packet = packetsInDatagram(bytes).packets[0];
     const sender = new Signing(withKey, join(temporaryFolder(t), 'none.json'));
     now_ms += 1;
-    return sender.signed(bytes, {
-      linkId: 3, extra: checksumExtraOf(packet.messageId), now_ms });
+    return sender.signed(bytes, { linkId: 3, now_ms });
   };
   const signing = new Signing(key, path);
   const { take, link, lines } = newLink({ signing });
-  const recorded = [sign(heartbeat()), sign(time(1000)), sign(position(1200))];
+  const isSigned = { isSigned: true };
+  const recorded = [sign(heartbeat(isSigned)), sign(time(1000, isSigned)), sign(position(1200, {}, isSigned))];
   recorded.forEach((bytes) => take(bytes));
   assert.equal(lines.length, 1);
   recorded.forEach((bytes) => take(bytes));
   take(position(1400));
-  take(sign(position(1400), Buffer.alloc(32, 8)));
-  const changed = sign(position(1400));
+  take(sign(position(1400, {}, isSigned), Buffer.alloc(32, 8)));
+  const changed = sign(position(1400, {}, isSigned));
   changed[20] ^= 1;
   take(changed);
   assert.equal(lines.length, 1);

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The container image: at most 600 MB, serves read-only, without capabilities and not as root, keeps what it stored;
-# then the same behind nginx by compose.yaml. What cannot be done here is said as "skipped: why".
+# then the same behind nginx by compose.yaml. What cannot be done here is said as "skipped: why"
+# (status 77 if there is no container daemon).
 #
 #   tests/deploy/container.sh
 set -Eeuo pipefail
@@ -94,7 +95,7 @@ check_compose() {
 
 if ! docker info >/dev/null 2>&1; then
   skip "the container, no container daemon at hand"
-  exit
+  exit 77
 fi
 trap end EXIT
 check_image

@@ -14,9 +14,6 @@
 
 #include "api/flight_parts.h"
 #include "tests/evaluation/ablation/ablation.h"
-#include "tests/evaluation/curves.h"
-#include "tests/evaluation/http_run.h"
-#include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/blinding.h"
@@ -86,9 +83,8 @@ Pool PoolOf(const CampaignOptions& options) {
 // What a report is about; reports of other settings cannot be continued.
 Json SettingsOf(const CampaignOptions& options) {
   const ScenarioOptions& scenario = options.scenario;
-  const Camera camera = SyntheticRig(scenario.camera).camera;
+  const Camera camera = PaperRig().camera;
   Json settings{
-      {"over_http", !options.url.empty()},
       {"world_size_m", scenario.world_size_m},
       {"cell_size_m", scenario.cell_size_m},
       {"num_frames", scenario.num_frames},
@@ -109,8 +105,6 @@ Json SettingsOf(const CampaignOptions& options) {
   if (!scenario.ground.empty()) settings["ground"] = scenario.ground;
   if (scenario.texture != "painted") settings["texture"] = scenario.texture;
   if (scenario.conditions != "plain") settings["conditions"] = scenario.conditions;
-  if (scenario.camera != "paper") settings["camera"] = scenario.camera;
-  if (scenario.pattern == FlightPattern::kCircle) settings["pattern"] = "circle";
   return settings;
 }
 
@@ -141,7 +135,6 @@ EngineRun RunOf(const CampaignOptions& campaign,
                 const Classifier& classifier,
                 const Scenario& scenario,
                 const Progress& progress) {
-  if (!campaign.url.empty()) return RunOverHttp(campaign.url, scenario, progress);
   const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
   // It is judged with the aircraft as it is.
   const Aircraft aircraft =
@@ -192,10 +185,6 @@ Json EvaluateWorld(const CampaignOptions& campaign,
         scenario, truth, fields, run, {campaign.ablations, campaign.engine_options}, seed);
   }
   stopwatch.Lap("scores");
-  if (!campaign.pictures.empty()) {
-    DrawWorld(campaign.pictures, std::to_string(seed), scenario, run, truth, fields);
-    DrawCurves(campaign.pictures, std::to_string(seed), run);
-  }
   if (!scenario.ground.empty()) record["ground"] = scenario.ground;
   record["cpu_s"] = stopwatch.seconds();
   record["peak_mib"] = std::round(PeakMib());
@@ -298,14 +287,8 @@ std::string CampaignOptions::ModelFile() const {
 void CampaignOptions::Check() const {
   scenario.Check();
   PoolOf(*this);
-  if (!url.empty() && !engine_options.empty()) {
-    throw std::invalid_argument("--options and --url: a service has its own options");
-  }
   if (!blind.empty() && blind != kEachBlinding && !BlindingNamed(blind)) {
     throw std::invalid_argument("--blind " + blind + ": no such blinding");
-  }
-  if (!blind.empty() && !url.empty()) {
-    throw std::invalid_argument("--blind and --url: a service gives no map to make wrong");
   }
   if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");
   if (num_jobs > 1 && scenario.num_threads > 1) {
@@ -317,23 +300,6 @@ Json RunCampaign(const CampaignOptions& options, const Classifier& classifier) {
   options.Check();
   cv::setNumThreads(options.scenario.num_threads);
   return Campaign(options, classifier).Run();
-}
-
-Json MergeReports(const std::vector<Json>& reports) {
-  const Json settings = SharedSettings(reports);
-  Json records = Json::array();
-  std::set<uint64_t> seeds;
-  for (const Json& report : reports) {
-    for (const Json& record : report.at("worlds")) {
-      const uint64_t seed = record.at("seed").get<uint64_t>();
-      if (!seeds.insert(seed).second) {
-        throw std::runtime_error("seed " + std::to_string(seed) + " is in two reports");
-      }
-      records.push_back(record);
-    }
-  }
-  Sort(records);
-  return MakeReport(settings, records);
 }
 
 }  // namespace freelsd

@@ -1,4 +1,4 @@
-// Many worlds: several at once, to be interrupted and gone on with, in parts that are put together.
+// Many worlds: several at once, to be interrupted and gone on with.
 #pragma once
 
 #include <string>
@@ -26,10 +26,6 @@ struct CampaignOptions {
   std::string json;
   // Go on from that report: its seeds are not flown again.
   bool resumes = false;
-  // Folder for pictures; "" for none.
-  std::string pictures;
-  // Service that is asked instead of the engine in this process; "" for none.
-  std::string url;
   // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none. "each": the
   // run is scored as it is, and all of them are counted besides.
   std::string blind;
@@ -45,9 +41,5 @@ struct CampaignOptions {
 // The report of all worlds, by seed. Whatever the number of jobs, the records are the same but for
 // what they cost.
 nlohmann::json RunCampaign(const CampaignOptions& options, const Classifier& classifier);
-
-// One report of the worlds of several. Throws std::runtime_error where settings differ or a seed
-// is in two of them.
-nlohmann::json MergeReports(const std::vector<nlohmann::json>& reports);
 
 }  // namespace freelsd

@@ -1,6 +1,5 @@
 #include "tests/evaluation/engine_run.h"
 
-#include <algorithm>
 #include <chrono>
 #include <map>
 #include <string>
@@ -23,11 +22,6 @@ std::vector<Candidate> Graded(const std::vector<Candidate>& regions) {
   return graded;
 }
 
-int CountProcessed(const std::vector<FrameResult>& results) {
-  return static_cast<int>(std::count_if(
-      results.begin(), results.end(), [](const auto& result) { return result.is_processed; }));
-}
-
 }  // namespace
 
 std::string ModelFileFor(const PipelineOptions& options) {
@@ -45,12 +39,12 @@ EngineRun RunEngine(const EngineInput& input,
   std::map<std::string, cv::Mat> images;
   for (const Frame& frame : input.frames) {
     images[frame.id] = frame.image;
-    run.num_processed += CountProcessed(frontend.Process(frame));
+    frontend.Process(frame);
     const double done =
         static_cast<double>(images.size()) / static_cast<double>(input.frames.size());
     progress(kFrontendShare * done, "frontend");
   }
-  run.num_processed += CountProcessed(frontend.Flush());
+  frontend.Flush();
   run.frontend_seconds = SecondsSince(start);
   run.snapshot = frontend.TakeSnapshot();
   run.snapshot.obstacles = input.obstacles;

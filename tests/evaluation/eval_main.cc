@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluation/campaign.h"
-#include "tests/evaluation/curves.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/scores/blinding.h"
 
@@ -19,9 +18,6 @@ using Json = nlohmann::json;
 
 struct Arguments {
   CampaignOptions campaign;
-  // Nothing is flown; these are put together.
-  std::vector<std::string> merge;
-  std::string compare;
   // "": the one that belongs to the options.
   std::string model;
   // Limits of the exit status; negative: none.
@@ -48,38 +44,11 @@ int StatusOf(const Arguments& arguments, const Json& safety) {
   return status;
 }
 
-// Of the classifier, over the regions of all worlds.
-RocCounts RegionRoc(const Json& report) {
-  RocCounts counts;
-  for (const Json& record : report.at("worlds")) {
-    counts.Add(RocFromJson(record.at("frontend").at("regions")));
-  }
-  return counts;
-}
-
-Json ReportOf(const Arguments& arguments) {
-  if (arguments.merge.empty()) {
-    const std::string model =
-        arguments.model.empty() ? arguments.campaign.ModelFile() : arguments.model;
-    return RunCampaign(arguments.campaign, Classifier::Parse(ReadTextFile(model)));
-  }
-  std::vector<Json> parts;
-  for (const std::string& path : arguments.merge) parts.push_back(Json::parse(ReadTextFile(path)));
-  Json report = MergeReports(parts);
-  if (!arguments.campaign.json.empty()) {
-    WriteTextFile(arguments.campaign.json, report.dump(1) + "\n");
-  }
-  return report;
-}
-
 int Run(const Arguments& arguments) {
-  const Json report = ReportOf(arguments);
+  const std::string model =
+      arguments.model.empty() ? arguments.campaign.ModelFile() : arguments.model;
+  const Json report = RunCampaign(arguments.campaign, Classifier::Parse(ReadTextFile(model)));
   std::cout << TableOf(report);
-  const std::string& pictures = arguments.campaign.pictures;
-  if (!pictures.empty()) DrawRoc(pictures, "all", RegionRoc(report));
-  if (!arguments.compare.empty()) {
-    std::cout << Comparison(Json::parse(ReadTextFile(arguments.compare)), report);
-  }
   return StatusOf(arguments, report.at("safety"));
 }
 
@@ -98,8 +67,6 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
       ->check(CLI::Range(3, 300));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")
       ->check(CLI::Range(100.0, 1000.0));
-  app.add_option("--east", scenario.east_m, "metres that the worlds are moved to the east");
-  app.add_option("--north", scenario.north_m, "metres that the worlds are moved to the north");
   app.add_option(
       "--ground",
       scenario.ground,
@@ -110,11 +77,6 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
                  scenario.conditions,
                  "light, air and camera: plain, or as recorded flights show them")
       ->check(CLI::IsMember({"plain", "recorded"}));
-  app.add_option("--camera", scenario.camera, "752x480, 1600x1200 tilted, 12 megapixels")
-      ->check(CLI::IsMember({"paper", "oblique", "wide"}));
-  app.add_option("--pattern", scenario.pattern, "legs or one circle")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, FlightPattern>{
-          {"legs", FlightPattern::kLawnmower}, {"circle", FlightPattern::kCircle}}));
   app.add_option("--cell", scenario.cell_size_m, "texture of a world in metres")
       ->check(CLI::Range(0.1, 1.0));
   app.add_option("--height", scenario.height_m, "height of flight in metres")
@@ -133,10 +95,6 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 64));
   app.add_option("--json", campaign.json, "report to write, after every world");
   app.add_flag("--resume", campaign.resumes, "go on from the report: its seeds are not run again");
-  app.add_option("--merge", arguments.merge, "reports to put together; nothing is flown");
-  app.add_option("--compare", arguments.compare, "older report: says what got better and worse");
-  app.add_option("--plots,--pictures", campaign.pictures, "folder for pictures of worlds and maps");
-  app.add_option("--url", campaign.url, "service to ask instead of the engine in this process");
   app.add_option_function<std::string>(
       "--options",
       [&campaign](const std::string& path) {

@@ -1,11 +1,15 @@
 // Who may see what: no run mixes the pools.
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 #include <doctest/doctest.h>
 
 #include "tests/evaluation/campaign.h"
+#include "tests/evaluation/frames/rendered_pictures.h"
+#include "tests/synthetic/texture/texture.h"
 
 namespace freelsd {
 namespace {
@@ -56,6 +60,30 @@ TEST_CASE("pools: a table that cannot be read is named with its line") {
   CHECK_THROWS_AS(read("flight,a,tuning\nflight,a,report\n"), std::runtime_error);
   std::filesystem::remove(path);
   CHECK_THROWS_AS(Pools::Read(path), std::runtime_error);
+}
+
+TEST_CASE("pools: rendered frames cannot be of a seed of the other pool") {
+  PoolOfRun run;
+  run.Add("place snowpeak_ebee", Pool::kReport);
+  const WorldLook look = WorldLooks(Pool::kReport, 3).front();
+  CHECK_THROWS_WITH_AS(RenderPictures(0, look, run),
+                       doctest::Contains("seed 0 is of the pool tuning"),
+                       std::invalid_argument);
+}
+
+TEST_CASE("pools: no photograph is worn by both, and places split by photograph say so") {
+  std::map<std::string, std::string> pool_of_photograph;
+  std::map<std::string, std::set<std::string>> pools_of_place;
+  const auto place_of = [](const std::string& path) { return path.substr(0, path.rfind('/')); };
+  for (const TextureSource& source : ReadTextureSources()) {
+    const auto [entry, is_new] = pool_of_photograph.try_emplace(source.photograph, source.pool);
+    CHECK_MESSAGE(entry->second == source.pool, source.photograph);
+    pools_of_place[place_of(source.photograph)].insert(source.pool);
+  }
+  for (const TextureSource& source : ReadTextureSources()) {
+    const bool is_split = pools_of_place.at(place_of(source.photograph)).size() > 1;
+    CHECK_MESSAGE(is_split == (source.split == "photograph"), source.photograph);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// Input: the records of worlds. Output: the totals, as JSON and as a table; what got better or
-// worse against an older report.
+// Input: the records of worlds. Output: the totals, as JSON and as a table.
 #pragma once
 
 #include <string>
@@ -8,12 +7,10 @@
 
 namespace freelsd {
 
-// {safety, flown, found, things, maps, frontend, poses, cost, settings, worlds}; `worlds` are the
+// {safety, flown, found, things, maps, frontend, settings, worlds}; `worlds` are the
 // records themselves, by seed, so that a report can be continued.
 nlohmann::json MakeReport(const nlohmann::json& settings, const nlohmann::json& records);
 
 std::string TableOf(const nlohmann::json& report);
-// One line for each number of the totals that differs, with the direction that is better.
-std::string Comparison(const nlohmann::json& older, const nlohmann::json& newer);
 
 }  // namespace freelsd

@@ -5,17 +5,16 @@
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
 #     > tests/evaluation/RESULTS.md
 #
-# Parts: world worlds textured ground places look noise2 damage frames flights survey bench peers growth. The
+# Parts: world worlds textured ground places look noise2 damage frames flights bench peers growth. The
 # default is all parts. `world` is the table of world.sh; worlds, textured and ground print the reports behind it.
 # build/reports, which is not committed, keeps the whole report of each part, PART.md, with the revision
 # that made it. The page has what it shows of all kept parts and marks those of an older revision.
-# build/reports also holds the reports of the worlds, so an interrupted run continues. Reports made
-# elsewhere (other seeds, --merge) may be put there.
+# build/reports also holds the reports of the worlds, so an interrupted run continues.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
 page_parts=(world bench growth peers)
-all_parts=(world worlds textured ground places look noise2 damage frames flights survey bench peers growth)
+all_parts=(world worlds textured ground places look noise2 damage frames flights bench peers growth)
 num_worlds="${1:-24}"
 num_in_noise="${2:-24}"
 parts=("${@:3}")
@@ -42,11 +41,11 @@ worlds() {
   heading "$title" "freelsd-eval $*" "$(revision_of "$reports/$name.json")"
   echo "$table"
 }
-# Prints the table of a report that world.sh made.
+# Prints the table that world.sh made.
 table_of() {
-  local name="$1" title="$2" program="$3"
+  local name="$1" title="$2"
   heading "$title" "tests/evaluation/world.sh --row $name" "$(revision_of "$reports/$name.json")"
-  verbatim $programs/$program --merge "$reports/$name.json"
+  verbatim cat "$reports/$name.txt"
 }
 make() {
   case "$1" in
@@ -54,13 +53,13 @@ make() {
       heading "Right about the world" "tests/evaluation/world.sh"
       tests/evaluation/world.sh --worlds "$num_worlds"
       ;;
-    worlds) table_of painted "Painted worlds" freelsd-eval ;;
-    textured) table_of textured "Painted worlds with recorded texture" freelsd-eval ;;
-    ground) table_of ground "Real ground" freelsd-eval ;;
+    worlds) table_of painted "Painted worlds" ;;
+    textured) table_of textured "Painted worlds with recorded texture" ;;
+    ground) table_of ground "Real ground" ;;
     places)
       heading "New places" "tests/evaluation/world.sh --row places" \
         "$(revision_of "$reports/places.json")"
-      sed -n '/^## Variation none/,$p' "$reports/places.txt" | sed 's/^##/###/'
+      verbatim cat "$reports/places.txt"
       ;;
     look)
       local pool
@@ -83,12 +82,6 @@ make() {
     flights)
       heading "Recorded flights" "tests/evaluation/flights.sh"
       tests/evaluation/flights.sh
-      ;;
-    survey)
-      heading "How recorded flights fit" "freelsd-survey \$FREELSD_DATA/flights/*"
-      $programs/freelsd-survey "$FREELSD_DATA"/flights/{swindale,garfield_park,brighton_beach}
-      echo
-      $programs/freelsd-survey "$FREELSD_DATA"/flights/seneca_nir
       ;;
     bench)
       heading "What stages cost" "freelsd-bench"

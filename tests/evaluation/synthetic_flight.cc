@@ -106,7 +106,6 @@ cv::Mat1b SeenGround(const Scenario& scenario) {
 FlightOptions FlightFor(uint64_t seed, const ScenarioOptions& options) {
   FlightOptions flight;
   flight.seed = seed;
-  flight.pattern = options.pattern;
   flight.num_frames = options.num_frames;
   flight.height_above_origin_m = options.height_m;
   flight.leg_spacing_m = options.leg_spacing_m;
@@ -246,7 +245,7 @@ Scenario MakeScenario(uint64_t seed,
   Scenario scenario;
   MakeWorld(seed, options, scenario);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
-  scenario.rig = SyntheticRig(options.camera);
+  scenario.rig = PaperRig();
   FlightOptions flight = FlightFor(seed, options);
   if (!options.ground.empty()) {
     flight.height_above_origin_m =

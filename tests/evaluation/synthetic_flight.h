@@ -32,9 +32,6 @@ struct ScenarioOptions {
   // 0.71 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
   double frame_spacing_m = 30.0;
   double leg_spacing_m = 60.0;
-  FlightPattern pattern = FlightPattern::kLawnmower;
-  // Of SyntheticRig.
-  std::string camera = "paper";
   double noise_scale = 1.0;
   // Share of the photographs that are damaged: half black, burnt out, smeared, or another's.
   double damaged_ratio = 0.0;

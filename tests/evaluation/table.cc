@@ -60,32 +60,6 @@ void WriteRows(std::ostringstream& out, const std::string& title, const Json& ro
   }
 }
 
-bool IsBetterWhenLarger(const std::string& name) {
-  for (const char* word :
-       {"found", "auc", "recall", "precision", "connected", "landable_sites", "track_length"}) {
-    if (name.find(word) != std::string::npos) return true;
-  }
-  return false;
-}
-
-void CompareNumbers(std::ostringstream& out,
-                    const std::string& path,
-                    const Json& older,
-                    const Json& newer) {
-  if (newer.is_object()) {
-    for (const auto& [key, value] : newer.items()) {
-      if (older.is_object() && older.contains(key)) {
-        CompareNumbers(out, path.empty() ? key : path + "." + key, older.at(key), value);
-      }
-    }
-    return;
-  }
-  if (!older.is_number() || !newer.is_number() || older == newer) return;
-  const bool is_larger = newer.get<double>() > older.get<double>();
-  out << (is_larger == IsBetterWhenLarger(path) ? "better  " : "worse   ") << std::left
-      << std::setw(56) << path << Text(older) << " -> " << Text(newer) << "\n";
-}
-
 }  // namespace
 
 std::string TableOf(const Json& report) {
@@ -95,12 +69,7 @@ std::string TableOf(const Json& report) {
             "sites, by what the ground at the touchdown truly is",
             report.at("safety").at("sites_by_ground"));
   WritePart(out, "flown, 200 times to each accepted site", report.at("flown"));
-  const Json& risks = report.at("landing_risks");
-  WriteRows(out, "landings drawn at random, by their expected risk", risks.at("risks"));
-  WritePart(out, "change of the risk's log loss without a part", risks.at("without_part"));
-  WritePart(
-      out, "of landings with a risk below 0.1", {{"failed_flights", risks.at("causes_below_0.1")}});
-  WriteRows(out, "ground called grass, by its shape as a share of the limits", risks.at("shapes"));
+  WriteRows(out, "landings drawn at random, by their expected risk", report.at("landing_risks"));
   WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
   WriteRows(out, "fields, by their clear touchdowns", report.at("found").at("by_room"));
   WriteRows(out,
@@ -111,22 +80,7 @@ std::string TableOf(const Json& report) {
   WriteRows(
       out, "the map made wrong on purpose, planned on in the same places", report.at("blinded"));
   WriteRows(out, "steps left out in turn", report.at("ablations"));
-  WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
   WritePart(out, "frontend", report.at("frontend"));
-  WriteRows(
-      out, "pixels of the masks, by what they truly show", report.at("frontend").at("covers"));
-  WritePart(out, "poses", report.at("poses"));
-  Json cost = Json::object();
-  for (const Json& row : report.at("cost")) {
-    cost[row.at("stage").get<std::string>()] = {{"samples", row.at("samples")},
-                                                {"mean_ms", row.at("mean_ms")},
-                                                {"sd_ms", row.at("sd_ms")},
-                                                {"p95_ms", row.at("p95_ms")}};
-  }
-  WriteRows(out,
-            "cost, images of " + report.at("settings").value("image_size", "") + ", threads " +
-                std::to_string(report.at("settings").value("threads", 1)),
-            cost);
   std::string parts;
   for (const auto& [part, seconds] : report.at("cpu_s_per_world").items()) {
     parts += (parts.empty() ? "" : "; ") + part + " " + Text(seconds);
@@ -135,27 +89,6 @@ std::string TableOf(const Json& report) {
   out << "peak memory, with the world: " << Text(report.at("peak_memory_with_world_mib"))
       << " MiB\n";
   return out.str();
-}
-
-std::string Comparison(const Json& older, const Json& newer) {
-  std::ostringstream out;
-  for (const char* part : {"safety", "flown", "found", "things", "maps", "frontend", "poses"}) {
-    // Older reports lack some parts.
-    if (older.contains(part) && newer.contains(part)) {
-      CompareNumbers(out, part, older.at(part), newer.at(part));
-    }
-  }
-  for (const Json& row : newer.at("cost")) {
-    for (const Json& old_row : older.at("cost")) {
-      if (old_row.at("stage") != row.at("stage")) continue;
-      CompareNumbers(out,
-                     "cost." + row.at("stage").get<std::string>() + ".mean_ms",
-                     old_row.at("mean_ms"),
-                     row.at("mean_ms"));
-    }
-  }
-  const std::string text = out.str();
-  return text.empty() ? "no number differs\n" : text;
 }
 
 }  // namespace freelsd

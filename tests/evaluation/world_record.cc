@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/plan_json.h"
 #include "tests/evaluation/scores/field_scores.h"
 #include "tests/evaluation/scores/flown_site.h"
 #include "tests/evaluation/scores/landing_risks.h"
@@ -63,8 +64,8 @@ Json SiteJson(const Site& site,
   const Plan& plan = site.plan;
   const Eigen::Vector2d touchdown = plan.touchdown_in_world.head<2>();
   Json json{{"region", site.region.id},
-            {"verdict", VerdictName(plan.verdict)},
-            {"reason", plan.reject_reason ? ReasonName(*plan.reject_reason) : ""},
+            {"verdict", NameOf(plan.verdict)},
+            {"reason", plan.reject_reason ? NameOf(*plan.reject_reason) : std::string()},
             {"detail", plan.reject_detail},
             {"touchdown_m", Place(touchdown)},
             {"hazard_distance_m", Rounded(plan.hazard_distance)},
@@ -135,10 +136,10 @@ std::string FateOf(const Field& field,
     if (!concerns(site.region)) continue;
     if (FieldAt(all, truth, site.plan.touchdown_in_world.head<2>()) == field.id) {
       if (site.plan.verdict != Verdict::kRejected) return "found";
-      return ReasonName(*site.plan.reject_reason);
+      return NameOf(*site.plan.reject_reason);
     }
-    fate = site.plan.verdict == Verdict::kRejected ? ReasonName(*site.plan.reject_reason)
-                                                   : "touchdown elsewhere";
+    fate = site.plan.verdict == Verdict::kRejected ? NameOf(*site.plan.reject_reason)
+                                                   : std::string("touchdown elsewhere");
   }
   return fate;
 }
@@ -195,14 +196,6 @@ Json RegionJson(const Region& region) {
 Json PosesJson(const PoseScore& score) {
   return {{"num_views", score.num_views},
           {"num_connected", score.num_connected},
-          {"horizontal_before_m", ToJson(score.horizontal_before)},
-          {"horizontal_after_m", ToJson(score.horizontal_after)},
-          {"horizontal_within_m", ToJson(score.horizontal_within)},
-          {"vertical_before_m", ToJson(score.vertical_before)},
-          {"vertical_after_m", ToJson(score.vertical_after)},
-          {"attitude_before_deg", ToJson(score.attitude_before)},
-          {"attitude_after_deg", ToJson(score.attitude_after)},
-          {"rms_before_px", score.rms_before_px},
           {"rms_after_px", score.rms_after_px},
           {"shift_m", {score.shift.x(), score.shift.y(), score.shift.z()}}};
 }
@@ -210,81 +203,13 @@ Json PosesJson(const PoseScore& score) {
 Json MapsJson(const MapScore& score) {
   return {{"elevation_error_m", ToJson(score.elevation_error)},
           {"elevation_error_unbiased_m", ToJson(score.elevation_error_unbiased)},
-          {"elevation_median_error_m", score.elevation_median_error},
           {"elevation_error_detilted_m", ToJson(score.detilted.residual)},
           {"tilt_deg", score.detilted.plane.TiltDeg()},
           {"local_noise_m", score.detilted.local_noise.ToJson()},
-          {"slope_error_deg", ToJson(score.slope_error)},
-          {"roughness_error_m", ToJson(score.roughness_error)},
-          {"hazard_of_kind", score.hazard_of_kind},
-          {"num_faulty", score.num_faulty},
-          {"num_faulty_not_free", score.num_faulty_not_free},
-          {"num_called_hazard", score.num_called_hazard},
-          {"num_called_hazard_rightly", score.num_called_hazard_rightly}};
-}
-
-Json FrontendJson(const FrontendScore& score) {
-  return {{"regions", ToJson(score.regions)},
-          {"pixels_of_cover", score.pixels_of_cover},
-          {"coarse_height_error_m", ToJson(score.coarse_height_error)},
-          {"num_regions", score.num_regions},
-          {"num_graded", score.num_graded},
-          {"num_duplicates", score.num_duplicates},
-          {"track_length", ToJson(score.track_length)}};
-}
-
-Json CostJson(const EngineRun& run) {
-  std::map<std::string, std::pair<Sums, LogHistogram>> cost;
-  for (const StageReport& report : run.evaluation.reports) {
-    cost[report.stage].first.Add(1e3 * report.seconds);
-    cost[report.stage].second.Add(1e3 * report.seconds);
-  }
-  Json json = Json::object();
-  for (const auto& [stage, sums] : cost) {
-    json[stage] = {{"ms", ToJson(sums.first)}, {"histogram", sums.second.ToJson()}};
-  }
-  return json;
+          {"hazard_of_kind", score.hazard_of_kind}};
 }
 
 }  // namespace
-
-const char* VerdictName(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kLandable:
-      return "landable";
-    case Verdict::kUnverified:
-      return "unverified";
-    case Verdict::kRejected:
-      return "rejected";
-  }
-  return "";
-}
-
-const char* ReasonName(RejectReason reason) {
-  switch (reason) {
-    case RejectReason::kNoSafeTouchdown:
-      return "no_safe_touchdown";
-    case RejectReason::kApproachBlocked:
-      return "approach_blocked";
-    case RejectReason::kApproachUnseen:
-      return "approach_unseen";
-    case RejectReason::kLoiterBlocked:
-      return "loiter_blocked";
-    case RejectReason::kRiskTooHigh:
-      return "risk_too_high";
-    case RejectReason::kWindTooStrong:
-      return "wind_too_strong";
-    case RejectReason::kTooSmall:
-      return "too_small";
-    case RejectReason::kTooFewObservations:
-      return "too_few_observations";
-    case RejectReason::kNotGrass:
-      return "not_grass";
-    case RejectReason::kNoTerrain:
-      return "no_terrain";
-  }
-  return "";
-}
 
 Json WorldRecord(uint64_t seed,
                  const Scenario& scenario,
@@ -300,19 +225,14 @@ Json WorldRecord(uint64_t seed,
       ScoreThings(scenario, run.evaluation.map, run.evaluation.hazards, offset);
   Json record{{"seed", seed},
               {"aircraft", scenario.aircraft.profile},
-              {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
               {"num_frames", scenario.frames.size()},
-              {"num_processed", run.num_processed},
-              {"frontend_s", run.frontend_seconds},
               {"total_s", run.total_seconds},
               {"warnings", run.evaluation.warnings},
               {"poses", PosesJson(poses)},
               {"maps", MapsJson(maps)},
-              {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
+              {"grass", ToJson(ScoreRegions(run, scenario))},
               {"things", things.counts},
               {"missed_things", Json::array()},
-              {"map_shift_m", Place(offset.shift)},
-              {"cost", CostJson(run)},
               {"sites", Json::array()},
               {"fields", Json::array()},
               {"regions", Json::array()}};
@@ -327,8 +247,7 @@ Json WorldRecord(uint64_t seed,
     }
     record["sites"].push_back(std::move(json));
   }
-  record["landing_risks"] =
-      LandingRisksJson(run, scenario, truth, options, {seed, offset.shift.head<2>()});
+  record["landing_risks"] = LandingRisksJson(run, scenario, truth, options.approach, seed);
   for (const Region& region : run.regions) record["regions"].push_back(RegionJson(region));
   const std::vector<FieldScore> scores = ScoreFields(scenario, run, truth, fields, options);
   for (size_t i = 0; i < scores.size(); ++i) {

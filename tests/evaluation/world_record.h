@@ -18,8 +18,4 @@ nlohmann::json WorldRecord(uint64_t seed,
                            const Fields& fields,
                            const PipelineOptions& options);
 
-// Words of the wire for verdicts and reasons.
-const char* VerdictName(Verdict verdict);
-const char* ReasonName(RejectReason reason);
-
 }  // namespace freelsd

@@ -45,7 +45,7 @@ def flight_cells:
        + ", not judged \($counts.not_judged)",
      "\($counts.thin)", "-", "\($found) of \($fields | length)", "-"];
 def place_cells:
-  .variations.none.pooled.by_regions as $all
+  .pooled as $all
   | ($all.by_class | to_entries | map(select(.key != "grass").value)) as $others
   | [rate([$others[].num_called_grass] | add; [$others[].num_answered] | add),
      "-", "-",
@@ -73,7 +73,7 @@ def cause_table:
    | row("flights";
          [largest([flight_fields[] | select((.winds_found | length) == 0) | {(.fate): 1}] | sum_of(.); 3),
           largest([.surveys[].sites[].causes // {}] | sum_of(.); 3), "-"])),
-  (.places | select(.) | .variations.none.pooled.by_regions.by_class
+  (.places | select(.) | .pooled.by_class
    | row("places";
          ["grass: \(.grass.num_answered - .grass.num_called_grass) not called grass, "
             + "\(.grass.num_polygons - .grass.num_answered) without an answer",
@@ -103,8 +103,8 @@ def blinding_table:
           ($all.flights
            | if . then ([.surveys[].on_labels[$blinding].counts // {}] | sum_of(.)
                         | if . == {} then "-" else "\(.false_safe) of \(.accepted)" end) else "-" end),
-          (if $blinding == "none" then $all.places.variations.none.pooled.by_regions.auc | hundredths
-           elif $blinding == "kinds" then $all.blind_places.variations.none.pooled.by_regions.auc | hundredths
+          (if $blinding == "none" then $all.places.pooled.auc | hundredths
+           elif $blinding == "kinds" then $all.blind_places.pooled.auc | hundredths
            else "-" end)]));
 
 def truth_table:

@@ -1,26 +1,15 @@
 #!/usr/bin/env bash
 # Runs the fuzz targets below libFuzzer with both sanitizers, one on each core.
 #
-#   tests/fuzz/run.sh [--rotate NUM] [SECONDS [TARGET...]]
+#   tests/fuzz/run.sh [SECONDS [TARGET...]]
 #
-# 60 seconds each by default, all of tests/fuzz/seeds; with --rotate NUM of them, other ones every
-# hour. New inputs and what each run said are kept in build/asan/fuzz.
+# 60 seconds each by default, all of tests/fuzz/seeds. New inputs and what each run said are kept in build/asan/fuzz.
 set -Eeuo pipefail
 cd "$(dirname "$0")/../.."
-num_rotated=0
-if [ "${1:-}" = --rotate ]; then
-  num_rotated="${2:?--rotate needs a number}"
-  shift 2
-fi
 seconds="${1:-60}"
 shift || true
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then mapfile -t targets < <(ls tests/fuzz/seeds); fi
-if [ "$num_rotated" -gt 0 ]; then
-  first=$(($(date +%s) / 3600 * num_rotated % ${#targets[@]}))
-  targets=("${targets[@]:first}" "${targets[@]:0:first}")
-  targets=("${targets[@]:0:num_rotated}")
-fi
 
 cmake --preset asan >/dev/null
 cmake --build --preset asan --target freelsd-libfuzzer -j "${JOBS:-$(nproc)}"

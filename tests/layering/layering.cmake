@@ -1,4 +1,5 @@
-# Fails on an #include that the layering forbids. Run: cmake -P tests/layering/layering.cmake
+# Fails on an #include that the layering forbids, and if there are more thin folders or folders that include each other
+# than the limits below. Run: cmake -P tests/layering/layering.cmake
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(root ${CMAKE_CURRENT_LIST_DIR}/../.. ABSOLUTE)
 
@@ -17,6 +18,13 @@ set(server_order config http sharing base_map links intake maps recall following
 # In these folders a header is private to its folder and the folders below, but for the one named
 # like its folder.
 set(with_private_headers engine api storage server)
+
+# Today's figures. They may only become smaller: who removes one lowers the limit.
+set(most_thin_folders 25)
+set(most_mutual_pairs 19)
+set(most_recall_includes 40)
+# A folder with fewer sources is thin.
+set(min_folder_sources 4)
 
 # Place in the order of its top folder; -1 where there is no order, or the folder is not in it.
 function(rank_of file result)
@@ -70,16 +78,45 @@ function(fault_of file header result)
   set(${result} "${fault}" PARENT_SCOPE)
 endfunction()
 
+# An include from one folder into another is counted in num_FROM+TO; `pairs` lists each FROM+TO once.
+macro(count_include here there)
+  if(NOT "${here}" STREQUAL "${there}")
+    if(NOT DEFINED "num_${here}+${there}")
+      set("num_${here}+${there}" 0)
+      list(APPEND pairs "${here}+${there}")
+    endif()
+    math(EXPR "num_${here}+${there}" "${num_${here}+${there}} + 1")
+  endif()
+endmacro()
+
+# check_limit(NAME MOST NUM OFFENDERS): prints the offenders, and fails if there are more than MOST.
+function(check_limit name most num offenders)
+  list(SORT offenders)
+  list(JOIN offenders ", " offenders)
+  message(STATUS "${name}: ${num}, at most ${most}: ${offenders}")
+  if(num GREATER most)
+    message(SEND_ERROR "${name}: ${num}, at most ${most}")
+  elseif(num LESS most)
+    message(STATUS "${name}: the limit in tests/layering/layering.cmake can be ${num}")
+  endif()
+endfunction()
+
 set(num_includes 0)
 set(between_headers "")
+set(folders "")
+set(pairs "")
 foreach(folder engine storage api server)
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/${folder}/*.h ${root}/${folder}/*.cc)
   list(FILTER files EXCLUDE REGEX "/node_modules/")
   foreach(file IN LISTS files)
+    get_filename_component(here ${file} DIRECTORY)
+    list(APPEND folders ${here})
     file(STRINGS ${root}/${file} lines REGEX "^#include \"")
     foreach(line IN LISTS lines)
       math(EXPR num_includes "${num_includes} + 1")
       string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" header "${line}")
+      get_filename_component(there "${header}" DIRECTORY)
+      count_include(${here} "${there}")
       fault_of(${file} "${header}" fault)
       if(fault)
         message(SEND_ERROR "${file}: ${header} ${fault}")
@@ -97,3 +134,40 @@ if(num_includes EQUAL 0)
   message(SEND_ERROR "no #include was read: the check looks in the wrong place (${root})")
 endif()
 message(STATUS "layering: ${num_includes} includes read")
+
+set(thin "")
+set(distinct_folders ${folders})
+list(REMOVE_DUPLICATES distinct_folders)
+foreach(folder IN LISTS distinct_folders)
+  set(sources ${folders})
+  list(FILTER sources INCLUDE REGEX "^${folder}$")
+  list(LENGTH sources num_sources)
+  if(num_sources LESS min_folder_sources)
+    list(APPEND thin "${folder} (${num_sources})")
+  endif()
+endforeach()
+list(LENGTH thin num_thin)
+check_limit("folders with fewer than ${min_folder_sources} sources" ${most_thin_folders} ${num_thin} "${thin}")
+
+# A folder and its subfolder are a pair too.
+set(mutual "")
+set(mutual_in_recall "")
+set(num_in_recall 0)
+foreach(pair IN LISTS pairs)
+  string(REGEX REPLACE "[+].*" "" here "${pair}")
+  string(REGEX REPLACE ".*[+]" "" there "${pair}")
+  if(NOT DEFINED "num_${there}+${here}")
+    continue()
+  endif()
+  if(here STRLESS there)
+    list(APPEND mutual "${here} and ${there}")
+  endif()
+  if(here MATCHES "^server/recall" AND there MATCHES "^server/recall")
+    math(EXPR num_in_recall "${num_in_recall} + ${num_${pair}}")
+    list(APPEND mutual_in_recall "${here} into ${there} (${num_${pair}})")
+  endif()
+endforeach()
+list(LENGTH mutual num_mutual)
+check_limit("pairs of folders that include each other" ${most_mutual_pairs} ${num_mutual} "${mutual}")
+check_limit("includes in server/recall between such folders" ${most_recall_includes} ${num_in_recall}
+            "${mutual_in_recall}")

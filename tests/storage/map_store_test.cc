@@ -136,6 +136,20 @@ TEST_CASE("maps: a new id is the flight's highest, also beside maps that are sto
   CHECK(std::stoi(storage.maps.NewId("f").substr(2)) > 7);
 }
 
+TEST_CASE("maps: ids of a flight that is forgotten after a restart are not given again") {
+  const StoragePlace place;
+  {
+    Storage storage(place.options());
+    const std::string id = storage.maps.NewId("f");
+    storage.maps.Stage(SomeMap(id, "f", kHere), {}, {});
+    storage.sites.PutEvaluation({{}, {}, {id}, {}}, {});
+  }
+  Storage storage(place.options());
+  storage.sites.PutEvaluation({{}, {}, {}, {"f/1"}}, {});
+  CHECK(storage.maps.ListOf("f").empty());
+  CHECK(storage.maps.NewId("f") != "f/1");
+}
+
 TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
   const StoragePlace place;
   Storage storage(place.options());

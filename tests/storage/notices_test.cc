@@ -36,10 +36,7 @@ TEST_CASE("notices: they survive a restart, and stay listed once they are acknow
 TEST_CASE("notices: on a full disk they are stored and acknowledged all the same") {
   const TemporaryFolder folder;
   const SmallDisk disk(folder.path() / "disk", "1m");
-  if (!disk.is_mounted()) {
-    MESSAGE("skipped: this process may not mount a small file system");
-    return;
-  }
+  if (!IsMounted(disk)) return;
   std::string id;
   {
     NoticeBoard notices(folder.path() / "disk/notices", {});

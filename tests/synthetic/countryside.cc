@@ -30,7 +30,6 @@ class Countryside {
     const double east = Uniform(-0.4, 0.4), north = Uniform(-0.4, 0.4);
     relief_.PlaceHill(options_.size_m * Eigen::Vector2d(east, north));
     LayGround(world);
-    NameParcels(world);
     for (const Lot& lot : layout_.lots()) Furnish(world, lot);
     for (const Split& split : layout_.splits()) PlantBorder(world, split);
     PlantSingleTrees(world);
@@ -103,19 +102,6 @@ class Countryside {
     world.surface(row, col) = static_cast<float>(ground + GrowthAt(lot, cover, x, y));
     world.cover(row, col) = static_cast<uint8_t>(cover);
     world.variant(row, col) = lot.variant;
-  }
-
-  void NameParcels(World& world) const {
-    for (const Lot& lot : layout_.lots()) {
-      Parcel parcel;
-      parcel.cover = lot.cover;
-      parcel.name = std::string(CoverName(lot.cover)) + " " + std::to_string(world.parcels.size());
-      parcel.outline = {WorldFromLayout(lot.min),
-                        WorldFromLayout({lot.max.x(), lot.min.y()}),
-                        WorldFromLayout(lot.max),
-                        WorldFromLayout({lot.min.x(), lot.max.y()})};
-      world.parcels.push_back(parcel);
-    }
   }
 
   // A place within a lot, in the layout.

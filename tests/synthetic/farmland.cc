@@ -53,7 +53,6 @@ class Planner {
     World world = EmptyWorld();
     ChooseParcels();
     LayGround(world);
-    NameParcels(world);
     PlantBorders(world);
     PlantWoods(world);
     BuildFarm(world);
@@ -171,22 +170,6 @@ class Planner {
   }
   int Row(const Eigen::Vector2d& place) const { return Band(edges_y_, kNumRows, place.y()); }
   int Col(const Eigen::Vector2d& place) const { return Band(edges_x_, kNumCols, place.x()); }
-
-  void NameParcels(World& world) const {
-    for (int row = 0; row < kNumRows; ++row) {
-      for (int col = 0; col < kNumCols; ++col) {
-        Parcel parcel;
-        parcel.cover = covers_[row][col];
-        parcel.name = std::string(CoverName(parcel.cover)) + " " + std::to_string(row) + "-" +
-                      std::to_string(col);
-        parcel.outline = {WorldFromLayout({edges_x_[col], edges_y_[row]}),
-                          WorldFromLayout({edges_x_[col + 1], edges_y_[row]}),
-                          WorldFromLayout({edges_x_[col + 1], edges_y_[row + 1]}),
-                          WorldFromLayout({edges_x_[col], edges_y_[row + 1]})};
-        world.parcels.push_back(parcel);
-      }
-    }
-  }
 
   bool InOpenZone(const Eigen::Vector2d& place, double margin_m) const {
     return place.x() > kOpenZone[0] - margin_m && place.x() < kOpenZone[1] + margin_m &&
@@ -323,9 +306,6 @@ World MakeMeadowPlane(const WorldOptions& options) {
   world.surface = cv::Mat1f(n, n, 0.0f);
   world.cover = cv::Mat1b(n, n, static_cast<uint8_t>(Cover::kMeadow));
   world.variant = cv::Mat1b(n, n, static_cast<uint8_t>(0));
-  const double half = 0.5 * options.size_m;
-  world.parcels.push_back(
-      {"meadow", {{-half, -half}, {half, -half}, {half, half}, {-half, half}}, Cover::kMeadow});
   world.Paint();
   world.Light();
   return world;

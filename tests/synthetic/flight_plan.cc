@@ -19,7 +19,6 @@ constexpr double kGustRollDeg = 2.5;
 constexpr double kGustPitchDeg = 1.5;
 constexpr double kGustHeightM = 1.0;
 constexpr double kGustTimeS = 3.0;
-constexpr double kFlownGravity = 9.81;
 // Photographs of a survey: distance between two, as a share of the height above ground.
 constexpr double kSurveySpacingRatio = 0.36;
 // Turning around at the end of a leg takes the aircraft this long; nothing is photographed.
@@ -53,7 +52,6 @@ class Drift {
 struct Waypoint {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   Eigen::Vector2d track = Eigen::Vector2d::UnitY();  // unit
-  double bank = 0.0;
   double time_s = 0.0;
 };
 
@@ -93,22 +91,6 @@ std::vector<Waypoint> Legs(const FlightOptions& options, const Eigen::Vector2d& 
     }
     waypoint.time_s = time_s;
     waypoints.push_back(waypoint);
-  }
-  return waypoints;
-}
-
-std::vector<Waypoint> Circle(const FlightOptions& options, const Eigen::Vector2d& wind) {
-  std::vector<Waypoint> waypoints;
-  double bearing = 0.0;
-  for (int i = 0; i < options.num_frames; ++i) {
-    Waypoint waypoint;
-    waypoint.place = options.circle_radius_m * DirectionOf(bearing);
-    waypoint.track = DirectionOf(bearing + 0.5 * kPi);  // clockwise: right wing down
-    const double speed = GroundSpeed(waypoint.track, options.airspeed_mps, wind);
-    waypoint.bank = std::atan(speed * speed / (kFlownGravity * options.circle_radius_m));
-    waypoint.time_s = i * options.frame_period_s;
-    waypoints.push_back(waypoint);
-    bearing += speed * options.frame_period_s / options.circle_radius_m;
   }
   return waypoints;
 }
@@ -172,16 +154,13 @@ void FlightOptions::Check() const {
   Require(airspeed_mps >= 5.0 && airspeed_mps <= 60.0, "airspeed_mps", airspeed_mps, "[5, 60]");
   Require(frame_period_s > 0.0, "frame_period_s", frame_period_s, "(0, inf)");
   Require(leg_spacing_m > 0.0, "leg_spacing_m", leg_spacing_m, "(0, inf)");
-  Require(circle_radius_m >= 20.0, "circle_radius_m", circle_radius_m, "[20, inf)");
   Require(noise_scale >= 0.0 && noise_scale <= 10.0, "noise_scale", noise_scale, "[0, 10]");
 }
 
 std::vector<SyntheticExposure> PlanFlight(const FlightOptions& options,
                                           const Eigen::Vector2d& wind_in_world) {
   options.Check();
-  const std::vector<Waypoint> waypoints = options.pattern == FlightPattern::kCircle
-                                              ? Circle(options, wind_in_world)
-                                              : Legs(options, wind_in_world);
+  const std::vector<Waypoint> waypoints = Legs(options, wind_in_world);
   std::mt19937_64 random(MixSeed(options.seed, kGusts));
   Drift roll(RadFromDeg(kGustRollDeg), kGustTimeS), pitch(RadFromDeg(kGustPitchDeg), kGustTimeS);
   Drift height(kGustHeightM, kGustTimeS);
@@ -196,7 +175,7 @@ std::vector<SyntheticExposure> PlanFlight(const FlightOptions& options,
     exposure.timestamp_us = options.start_us + std::llround(waypoint.time_s * 1e6);
     exposure.truth.position_in_world << waypoint.place,
         options.height_above_origin_m + height.Next(dt, random);
-    exposure.truth.attitude.roll = waypoint.bank + roll.Next(dt, random);
+    exposure.truth.attitude.roll = roll.Next(dt, random);
     exposure.truth.attitude.pitch = pitch.Next(dt, random);
     exposure.truth.attitude.yaw = CrabbedHeading(waypoint, options.airspeed_mps, wind_in_world);
     exposure.reported = autopilot.Report(exposure.truth, dt);

@@ -12,7 +12,6 @@ namespace freelsd {
 
 enum class FlightPattern {
   kLawnmower,  // parallel legs north and south, images dense enough to track
-  kCircle,     // banked circle around the middle
   kSurvey,     // parallel legs, photographs with about 65 % overlap
 };
 
@@ -24,7 +23,6 @@ struct FlightOptions {
   double airspeed_mps = 13.0;
   double frame_period_s = 1.0;
   double leg_spacing_m = 60.0;
-  double circle_radius_m = 80.0;
   int64_t start_us = 1'717'236'000'000'000;  // 2024-06-01 10:00 UTC
   // --- What the autopilot gets wrong; noise_scale multiplies all of it ---
   double noise_scale = 1.0;

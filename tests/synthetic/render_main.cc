@@ -32,7 +32,6 @@ struct Arguments {
 };
 
 FlightPattern PatternFrom(const std::string& name) {
-  if (name == "circle") return FlightPattern::kCircle;
   if (name == "survey") return FlightPattern::kSurvey;
   return FlightPattern::kLawnmower;
 }
@@ -96,11 +95,9 @@ void Run(const Arguments& arguments) {
   std::cout << "making world " << arguments.seed << std::endl;
   const World world = MakeFarmland(world_options);
   const auto exposures = PlanFlight(flight_options, world.wind_in_world);
-  const auto fields = JudgeFields(world, *aircraft);
   Write(folder / "poses.csv", PosesCsv(world, exposures));
   Write(folder / "flight.json",
         FlightJson("Sample flight " + std::to_string(arguments.seed), camera, aircraft->profile));
-  Write(folder / "truth.json", TruthJson(world, fields, exposures, *aircraft));
   RenderFrames(world, camera, exposures, folder);
 }
 
@@ -111,8 +108,7 @@ int main(int argc, char** argv) {
   try {
     freelsd::Arguments arguments;
     CLI::App app(
-        "Renders a flight over a synthetic world: photographs, poses.csv, flight.json and "
-        "truth.json.");
+        "Renders a flight over a synthetic world: photographs, poses.csv and flight.json.");
     app.add_option("--out", arguments.folder, "folder to write to")->required();
     app.add_option("--seed", arguments.seed, "chooses world and flight");
     app.add_option("--frames", arguments.num_frames, "number of photographs")
@@ -122,8 +118,8 @@ int main(int argc, char** argv) {
     app.add_option("--height", arguments.height_px, "image height in pixels")
         ->check(CLI::Range(16, 8192));
     app.add_option("--pattern", arguments.pattern, "how the area is flown")
-        ->check(CLI::IsMember({"lawnmower", "circle", "survey"}));
-    app.add_option("--aircraft", arguments.aircraft, "profile for flight.json and truth.json")
+        ->check(CLI::IsMember({"lawnmower", "survey"}));
+    app.add_option("--aircraft", arguments.aircraft, "profile for flight.json")
         ->check(CLI::IsMember({"techpod", "atlantiksolar", "small"}));
     app.add_option("--noise", arguments.noise_scale, "scale of the autopilot's errors")
         ->check(CLI::Range(0.0, 2.0));

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <opencv2/imgproc.hpp>
-
 namespace freelsd {
 namespace {
 
@@ -86,70 +84,6 @@ bool IsMeadowOnly(const World& world, double x, double y, double cell) {
   return true;
 }
 
-// The ground roll goes on into the wind from touchdown.
-bool IsRollFree(const World& world,
-                const cv::Mat1f& free_distance,
-                const Aircraft& aircraft,
-                const Eigen::Vector2d& touchdown) {
-  const double cell = world.size_m / free_distance.rows;
-  for (double s = 0.0; s <= aircraft.ground_roll_m; s += 0.5 * cell) {
-    const Eigen::Vector2d place = touchdown - s * Downwind(world);
-    const int col = static_cast<int>(std::floor((place.x() + 0.5 * world.size_m) / cell));
-    const int row = static_cast<int>(std::floor((place.y() + 0.5 * world.size_m) / cell));
-    if (col < 0 || row < 0 || col >= free_distance.cols || row >= free_distance.rows) return false;
-    if (free_distance(row, col) <= 0.0f) return false;
-  }
-  return true;
-}
-
-struct TouchdownCandidate {
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  double free_radius = 0.0;
-};
-
-// Cells of a parcel with room for the touchdown disc, widest first.
-std::vector<TouchdownCandidate> Candidates(const World& world,
-                                           const Parcel& parcel,
-                                           const cv::Mat1f& free_distance,
-                                           double min_radius) {
-  const double cell = world.size_m / free_distance.rows;
-  std::vector<TouchdownCandidate> candidates;
-  for (int row = 0; row < free_distance.rows; ++row) {
-    for (int col = 0; col < free_distance.cols; ++col) {
-      const double radius = free_distance(row, col) * cell;
-      if (radius < min_radius) continue;
-      const Eigen::Vector2d place((col + 0.5) * cell - 0.5 * world.size_m,
-                                  (row + 0.5) * cell - 0.5 * world.size_m);
-      if (Contains(parcel.outline, place)) candidates.push_back({place, radius});
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.free_radius > b.free_radius;
-  });
-  return candidates;
-}
-
-TrueField JudgeField(const World& world,
-                     const Aircraft& aircraft,
-                     const Parcel& parcel,
-                     const cv::Mat1f& free_distance) {
-  TrueField field;
-  field.parcel = parcel;
-  const std::vector<TouchdownCandidate> candidates =
-      Candidates(world, parcel, free_distance, aircraft.touchdown_uncertainty_m);
-  field.reason = candidates.empty() ? "no room for the touchdown disc" : "no final is clear";
-  for (const TouchdownCandidate& candidate : candidates) {
-    if (!IsRollFree(world, free_distance, aircraft, candidate.place)) continue;
-    if (FinalReserve(world, aircraft, candidate.place) < 0.0) continue;
-    field.is_landable = true;
-    field.touchdown = candidate.place;
-    field.free_radius = candidate.free_radius;
-    field.reason.clear();
-    break;
-  }
-  return field;
-}
-
 }  // namespace
 
 // Eq. 1 of the paper.
@@ -169,22 +103,6 @@ GroundFault GroundFaultAt(
   if (!IsEven(world, aircraft, x, y)) return GroundFault::kSteep;
   if (!IsSmooth(world, aircraft, x, y, cell_size_m)) return GroundFault::kRough;
   return GroundFault::kNone;
-}
-
-cv::Mat1b LandableGround(const World& world, const Aircraft& aircraft, double cell_size_m) {
-  const int n = static_cast<int>(std::floor(world.size_m / cell_size_m));
-  cv::Mat1b landable(n, n, static_cast<uint8_t>(0));
-  cv::parallel_for_({0, n}, [&](const cv::Range& rows) {
-    for (int row = rows.start; row < rows.end; ++row) {
-      for (int col = 0; col < n; ++col) {
-        const double x = (col + 0.5) * cell_size_m - 0.5 * world.size_m;
-        const double y = (row + 0.5) * cell_size_m - 0.5 * world.size_m;
-        const GroundFault fault = GroundFaultAt(world, aircraft, x, y, cell_size_m);
-        landable(row, col) = fault == GroundFault::kNone ? 255 : 0;
-      }
-    }
-  });
-  return landable;
 }
 
 double FinalReserve(const World& world,
@@ -227,18 +145,6 @@ double LoiterReserve(const World& world,
     reserve = std::min(reserve, height - highest - aircraft.safety_margin_m);
   }
   return reserve;
-}
-
-std::vector<TrueField> JudgeFields(const World& world, const Aircraft& aircraft) {
-  const cv::Mat1b landable = LandableGround(world, aircraft);
-  cv::Mat1f free_distance;
-  cv::distanceTransform(landable, free_distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  std::vector<TrueField> fields;
-  for (const Parcel& parcel : world.parcels) {
-    if (parcel.cover != Cover::kMeadow) continue;
-    fields.push_back(JudgeField(world, aircraft, parcel, free_distance));
-  }
-  return fields;
 }
 
 }  // namespace freelsd

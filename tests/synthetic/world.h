@@ -56,13 +56,6 @@ struct WorldOptions {
   void Check() const;
 };
 
-// A patch of one cover, as farmers have them. Outline in world, counter-clockwise.
-struct Parcel {
-  std::string name;
-  Polygon outline;
-  Cover cover = Cover::kMeadow;
-};
-
 // Raised as a box with a gabled roof: `length_m` along `heading` (radians clockwise from north).
 struct House {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
@@ -153,7 +146,6 @@ struct World {
   Eigen::Vector3d sun_in_world = Eigen::Vector3d::UnitZ();
   // Share of the light on flat open ground that comes from the sky. Under clouds nearly all of it.
   double sky_share = 0.36;
-  std::vector<Parcel> parcels;
   std::vector<Mover> movers;
   // Those that were built.
   std::vector<PowerLine> power_lines;

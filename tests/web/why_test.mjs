@@ -35,7 +35,7 @@ test('proof: weights, log-odds and cues as texts', () => {
   assert.deepEqual([0, 0.004, 0.096, 1].map(percent), ['0\u00a0%', '< 1\u00a0%', '10\u00a0%', '100\u00a0%']);
   assert.deepEqual([2.25, -1.5, 7.875, -7.875].map(logOddsText), ['+2.3', '−1.5', '≥ +7.9', '≤ −7.9']);
   const { telling, silent, unknown } = cuesByWeight(sampleProof('f').evidence.cues);
-  assert.deepEqual([telling.map(({ cue }) => cue), silent, unknown], [['fence', 'views', 'row_strength'], ['small object'], ['spray tracks']]);
+  assert.deepEqual([telling.map(({ cue }) => cue), silent, unknown], [['fence', 'views', 'look_alike'], ['small object'], ['colour unlike its meadow']]);
   assert.equal(cueName('a_new_cue'), 'a new cue');
 });
 

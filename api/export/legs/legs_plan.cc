@@ -18,13 +18,6 @@ constexpr int kSetTriggerDistance = 206;
 constexpr int kAbsoluteFrame = 0;
 constexpr int kMissionFrame = 2;
 constexpr int kRelativeFrame = 3;
-// MAV_AUTOPILOT_PX4, MAV_AUTOPILOT_ARDUPILOTMEGA; vehicle class fixed wing.
-constexpr int kPx4Autopilot = 12;
-constexpr int kArduPilotAutopilot = 3;
-constexpr int kFixedWing = 1;
-// Only displayed; the pilot's own settings override them.
-constexpr double kShownCruiseMps = 15.0;
-constexpr double kShownHoverMps = 5.0;
 // Width of a survey's polygon, as a share of the distance between its transects.
 constexpr double kPolygonRatio = 0.5;
 
@@ -161,32 +154,15 @@ std::string LegsPlan(const NextLook& look,
                      const FlightContext& context,
                      const ExportOptions& options) {
   LegsFile file = FileOf(look, context, options);
-  nlohmann::json items = nlohmann::json::array();
-  for (const LookLeg& leg : look.legs) items.push_back(SurveyItem(file, leg));
-  const bool is_ardupilot = options.firmware == Firmware::kArduPilot;
-  const nlohmann::json mission{{"version", 2},
-                               {"firmwareType", is_ardupilot ? kArduPilotAutopilot : kPx4Autopilot},
-                               {"vehicleType", kFixedWing},
-                               {"cruiseSpeed", kShownCruiseMps},
-                               {"hoverSpeed", kShownHoverMps},
-                               {"globalPlanAltitudeMode", file.is_above_home ? 1 : 2},
-                               {"plannedHomePosition", HomeOf(file, options)},
-                               {"items", items}};
-  const nlohmann::json fence{
-      {"version", 2}, {"polygons", nlohmann::json::array()}, {"circles", nlohmann::json::array()}};
-  const nlohmann::json plan{
-      {"fileType", "Plan"},
-      {"version", 1},
-      {"groundStation", "QGroundControl"},
-      {"mission", mission},
-      {"geoFence", fence},
-      {"rallyPoints", {{"version", 2}, {"points", nlohmann::json::array()}}},
-      {"freelsd",
-       {{"flight_id", context.flight_id},
-        {"expected_gain", Rounded(look.expected_gain)},
-        {"altitude_datum", context.altitude_datum},
-        {"altitudes", file.is_above_home ? "above home" : "above mean sea level"}}}};
-  return plan.dump(2) + "\n";
+  QgcPlan plan;
+  plan.is_above_home = file.is_above_home;
+  plan.home = HomeOf(file, options);
+  for (const LookLeg& leg : look.legs) plan.items.push_back(SurveyItem(file, leg));
+  plan.remarks = {{"flight_id", context.flight_id},
+                  {"expected_gain", Rounded(look.expected_gain)},
+                  {"altitude_datum", context.altitude_datum},
+                  {"altitudes", file.is_above_home ? "above home" : "above mean sea level"}};
+  return QgcPlanFile(plan, options.firmware);
 }
 
 }  // namespace freelsd

@@ -14,14 +14,6 @@ constexpr double kSphereRadiusM = 6371007.2;
 // Allowed differences between the site and the values that the program computes from the plan.
 const double kHeadingTolerance = RadFromDeg(0.1);
 const double kSlopeTolerance = RadFromDeg(0.05);
-// MAV_AUTOPILOT_PX4, MAV_AUTOPILOT_ARDUPILOTMEGA.
-constexpr int kPx4Type = 12;
-constexpr int kArduPilotType = 3;
-// Vehicle class fixed wing.
-constexpr int kVehicleType = 1;
-// Only displayed; the pilot's own settings override them.
-constexpr double kCruiseSpeedMps = 15.0;
-constexpr double kHoverSpeedMps = 5.0;
 
 struct SphericalLeg {
   double distance_m;
@@ -138,7 +130,7 @@ nlohmann::json WithAge(nlohmann::json object, const StoredSite& site) {
   return object;
 }
 
-// The program ignores unknown keys. These are for people. `sites` begins with the site to land on.
+// For people. `sites` begins with the site to land on.
 nlohmann::json Remarks(const std::vector<StoredSite>& sites, const AltitudeFrame& frame) {
   const StoredSite& site = sites.front();
   nlohmann::json rally_points = nlohmann::json::array();
@@ -164,28 +156,13 @@ std::string PlanFile(const std::vector<StoredSite>& sites, const ExportOptions& 
   const std::vector<StoredSite> safe = SafeSites(sites, true);
   const StoredSite& best = safe.front();
   const AltitudeFrame frame = FrameOf(safe, options);
-  nlohmann::json items = nlohmann::json::array();
-  items.push_back(LandingPattern(best, frame));
-  const nlohmann::json mission{
-      {"version", 2},
-      {"firmwareType", options.firmware == Firmware::kArduPilot ? kArduPilotType : kPx4Type},
-      {"vehicleType", kVehicleType},
-      {"cruiseSpeed", kCruiseSpeedMps},
-      {"hoverSpeed", kHoverSpeedMps},
-      {"globalPlanAltitudeMode", frame.is_above_home ? 1 : 2},
-      {"plannedHomePosition", PlannedHome(best, options)},
-      {"items", items}};
-  const nlohmann::json fence{
-      {"version", 2}, {"polygons", nlohmann::json::array()}, {"circles", nlohmann::json::array()}};
-  const nlohmann::json plan{
-      {"fileType", "Plan"},
-      {"version", 1},
-      {"groundStation", "QGroundControl"},
-      {"mission", mission},
-      {"geoFence", fence},
-      {"rallyPoints", {{"version", 2}, {"points", RallyPoints(safe, options)}}},
-      {"freelsd", Remarks(safe, frame)}};
-  return plan.dump(2) + "\n";
+  QgcPlan plan;
+  plan.is_above_home = frame.is_above_home;
+  plan.home = PlannedHome(best, options);
+  plan.items.push_back(LandingPattern(best, frame));
+  plan.rally_points = RallyPoints(safe, options);
+  plan.remarks = Remarks(safe, frame);
+  return QgcPlanFile(plan, options.firmware);
 }
 
 }  // namespace freelsd

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "api/stored/stored.h"
 
 namespace freelsd {
@@ -34,5 +36,18 @@ std::vector<SiteFormat> SiteFormats();
 std::string ExportSites(const std::string& format,
                         const std::vector<StoredSite>& sites,
                         const ExportOptions& options);
+
+// What differs between plans for QGroundControl.
+struct QgcPlan {
+  bool is_above_home = false;
+  // [latitude, longitude, altitude or null].
+  nlohmann::json home;
+  nlohmann::json items = nlohmann::json::array();
+  nlohmann::json rally_points = nlohmann::json::array();
+  // For people. The program ignores unknown keys.
+  nlohmann::json remarks;
+};
+// A .plan, version 1, for a plane.
+std::string QgcPlanFile(const QgcPlan& plan, Firmware firmware);
 
 }  // namespace freelsd

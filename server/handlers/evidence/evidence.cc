@@ -93,11 +93,8 @@ nlohmann::json LikelihoodJson(Service& service,
                               const ElevationMap& around) {
   std::optional<HeightLikelihood> found;
   try {
-    found = HeightLikelihoodAt(cell.place_in_world,
-                               around,
-                               block,
-                               StoredImages(service.intake, cell.map.row.flight_id),
-                               ParseStoredFlightRequest(cell.map.head.flight_json).options.heights);
+    found = HeightLikelihoodAt(
+        cell.place_in_world, around, block, StoredImages(service.intake, cell.map.row.flight_id));
   } catch (const ApiError&) {
     return nullptr;
   }

@@ -14,7 +14,7 @@ import { PowerModel } from './power_model.js';
 
 const gravity_mps2 = 9.81;
 
-export const defaultEngineOptions = {
+const defaultEngineOptions = {
   // Ground velocity and climb are compared over this time.
   window_s: 0.8,
   // The engine is given this long to follow the throttle.

@@ -18,7 +18,7 @@ export const featuresOf = ({ throttle, airspeed_mps, load }) => {
   return [speed * throttle, speed * throttle * throttle, -(speed ** 3), -(load ** 2) / speed, 1];
 };
 
-export const defaultPowerModelOptions = {
+const defaultPowerModelOptions = {
   // Gusts last so long: samples that are closer count as one.
   correlation_s: 4,
   memory_s: 600,

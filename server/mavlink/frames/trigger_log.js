@@ -1,6 +1,8 @@
 // Triggers of the camera, on disk: pictures may come minutes later, also after a restart of this program.
 
-import { appendFileSync, existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { appendFileSync, existsSync, readFileSync } from 'node:fs';
+
+import { replaceFile } from '../state_file.js';
 
 const defaultMaxNum = 20_000;
 // The same message on two ways.
@@ -17,10 +19,7 @@ function parsed(line) {
 
 export const linesOf = (path) => (existsSync(path) ? readFileSync(path, 'utf8').split('\n').filter(Boolean).flatMap(parsed) : []);
 
-export function writeLines(path, values) {
-  writeFileSync(`${path}.new`, values.map((value) => `${JSON.stringify(value)}\n`).join(''), { mode: 0o600 });
-  renameSync(`${path}.new`, path);
-}
+export const writeLines = (path, values) => replaceFile(path, values.map((value) => `${JSON.stringify(value)}\n`).join(''));
 
 export class TriggerLog {
   #path;

@@ -25,7 +25,7 @@ const surplus_m = (site) => site.path.coordinates.at(-2)[2] - site.approach.star
 // forbidden airspace come last. Then come those that this flight has mapped: the error of its altimeter
 // is in them too, and without power 1 m of height is 7 m of the final. Of these, first those whose
 // way ends at the height of the final, then verified ones.
-export function flyable(answer, flightId, options = defaultChoiceOptions) {
+function flyable(answer, flightId, options = defaultChoiceOptions) {
   const worth = (site) => (isClear(site) ? 8 : 0) +
     (flightId !== undefined && site.flight_id === flightId ? 4 : 0) +
     (surplus_m(site) <= options.maxSurplus_m ? 2 : 0) + (site.verdict === 'landable' ? 1 : 0);

@@ -1,6 +1,6 @@
 // When the final begins: the aircraft is at its start, and nearly in its direction. Pure.
 
-export const defaultGateOptions = {
+const defaultGateOptions = {
   // So long before the start, because the mode changes late.
   lead_s: 0.3,
   maxAngle_deg: 25,

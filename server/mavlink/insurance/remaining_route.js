@@ -2,23 +2,21 @@
 // through the places that the items name, to where the landing begins. Pure.
 
 import { distance_m } from '../flat_frame.js';
+import { MavCmd, MavFrame } from '../messages.js';
 
-const command = {
-  waypoint: 16, loiterUnlimited: 17, loiterTurns: 18, loiterTime: 19, returnToLaunch: 20, land: 21, loiterToAltitude: 31,
-  takeoff: 22, regionOfInterest: 80, spline: 82, verticalLand: 85, lastNavigation: 95, jump: 177, landStart: 189, jumpTag: 601,
-};
-const places = new Set([command.waypoint, command.loiterTurns, command.loiterTime, command.loiterToAltitude, command.spline]);
+const places = new Set([MavCmd.NAV_WAYPOINT, MavCmd.NAV_LOITER_TURNS, MavCmd.NAV_LOITER_TIME, MavCmd.NAV_LOITER_TO_ALT,
+  MavCmd.NAV_SPLINE_WAYPOINT]);
 const ends = {
-  [command.landStart]: 'the landing', [command.land]: 'the landing', [command.verticalLand]: 'the landing',
-  [command.returnToLaunch]: 'the return to launch', [command.loiterUnlimited]: 'the loiter',
+  [MavCmd.DO_LAND_START]: 'the landing', [MavCmd.NAV_LAND]: 'the landing', [MavCmd.NAV_VTOL_LAND]: 'the landing',
+  [MavCmd.NAV_RETURN_TO_LAUNCH]: 'the return to launch', [MavCmd.NAV_LOITER_UNLIM]: 'the loiter',
 };
 // They do not lead elsewhere.
-const stays = new Set([command.takeoff, command.regionOfInterest]);
+const stays = new Set([MavCmd.NAV_TAKEOFF, MavCmd.NAV_ROI]);
 // DO_JUMP_TAG, and navigation that is not flown to a place.
-const isUnknownWay = (number) => number === command.jumpTag ||
-  (number < command.lastNavigation && !places.has(number) && !(number in ends) && !stays.has(number));
-const amsl = new Set([0, 5]);
-const aboveHome = new Set([3, 6]);
+const isUnknownWay = (number) => number === MavCmd.DO_JUMP_TAG ||
+  (number < MavCmd.NAV_LAST && !places.has(number) && !(number in ends) && !stays.has(number));
+const amsl = new Set([MavFrame.GLOBAL, MavFrame.GLOBAL_INT]);
+const aboveHome = new Set([MavFrame.GLOBAL_RELATIVE_ALT, MavFrame.GLOBAL_RELATIVE_ALT_INT]);
 const moreOfMission = 'more of the mission';
 const maxNumSteps = 5000;
 // Fewer than /v1/routes/check takes.
@@ -41,7 +39,7 @@ function* flownItems(items, first, lowest) {
   for (let step = 0; at < items.length; ++step) {
     if (step >= maxNumSteps) return;
     const one = items[at];
-    if (one.command !== command.jump) {
+    if (one.command !== MavCmd.DO_JUMP) {
       yield { ...one, seq: at };
       ++at;
       continue;
@@ -70,7 +68,7 @@ export function remainingRoute({ items, current_item, isArdupilot, position, hom
     if (isUnknownWay(one.command)) return { route, end: `item ${one.seq}, command ${one.command}, whose way is not known`, isWhole: false };
     const last = route.at(-1);
     const isLast = one.command in ends;
-    if (places.has(one.command) || one.command === command.loiterUnlimited) {
+    if (places.has(one.command) || one.command === MavCmd.NAV_LOITER_UNLIM) {
       const place = placeOf(one, last, home_altitude_m);
       if (!place) return { route, end: `item ${one.seq}, whose height is above the terrain`, isWhole: false };
       const leg_m = distance_m(last, place);

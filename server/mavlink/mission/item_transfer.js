@@ -1,9 +1,9 @@
 // One transfer of a list of items, the ground's side. Stepped: step(now_s) until `result` is set.
 // https://mavlink.io/en/services/mission.html
 
+import { MavMissionResult } from '../messages.js';
 import { itemOf } from './mission_items.js';
 
-const ack = { accepted: 0, error: 1, invalidSequence: 13, denied: 14, cancelled: 15 };
 // After this the same message is sent again.
 const repeat_s = 0.8;
 // Somebody else uploads: the autopilot denies until it has ended or timed out (8 s in ArduPilot).
@@ -63,8 +63,8 @@ export class Download extends Transfer {
     if (this.result || fields.missionType !== this._type) return;
     if (name === 'MISSION_COUNT' && this.#count === undefined) this.#begin(fields.count, now_s);
     else if (name === 'MISSION_ITEM_INT' && this.#count !== undefined) this.#take(fields, now_s);
-    else if (name === 'MISSION_ACK' && fields.type === ack.denied) this._next_s = now_s + busy_s;
-    else if (name === 'MISSION_ACK' && fields.type === ack.error) this.#beginAnew(now_s);
+    else if (name === 'MISSION_ACK' && fields.type === MavMissionResult.DENIED) this._next_s = now_s + busy_s;
+    else if (name === 'MISSION_ACK' && fields.type === MavMissionResult.ERROR) this.#beginAnew(now_s);
   }
 
   // The list has become shorter meanwhile, or a late copy of a request was one too many for PX4.
@@ -94,7 +94,7 @@ export class Download extends Transfer {
   }
 
   #end() {
-    this._send('MISSION_ACK', { type: ack.accepted });
+    this._send('MISSION_ACK', { type: MavMissionResult.ACCEPTED });
     this._finish({ items: this.#items });
   }
 }
@@ -136,10 +136,10 @@ export class Upload extends Transfer {
   }
 
   #onAck(type, now_s) {
-    if (type === ack.invalidSequence) return;
-    if (type === ack.accepted && this.#isComplete) this._finish({ isAcknowledged: true });
+    if (type === MavMissionResult.INVALID_SEQUENCE) return;
+    if (type === MavMissionResult.ACCEPTED && this.#isComplete) this._finish({ isAcknowledged: true });
     // PX4 says error where ArduPilot says denied.
-    else if ((type === ack.denied || type === ack.error) && !this.#hasBegun) this._next_s = now_s + busy_s;
-    else if (type !== ack.accepted) this._finish({ error: resultName(type) });
+    else if ((type === MavMissionResult.DENIED || type === MavMissionResult.ERROR) && !this.#hasBegun) this._next_s = now_s + busy_s;
+    else if (type !== MavMissionResult.ACCEPTED) this._finish({ error: resultName(type) });
   }
 }

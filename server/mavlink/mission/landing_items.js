@@ -2,7 +2,8 @@
 
 import { nearTo } from '../antimeridian.js';
 import { metresPerDegree } from '../flat_frame.js';
-import { command, frame, item } from './mission_items.js';
+import { MavCmd, MavFrame } from '../messages.js';
+import { item } from './mission_items.js';
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
@@ -139,11 +140,11 @@ export function ardupilotItems(landing, { parameters = {}, home_altitude_m, land
   const behind_m = landPointBehind_m(landing, parameters, landing_airspeed_mps);
   const onFinal = placeOnFinal(landing, finalLength_m(landing), parameters);
   return [
-    item(command.landStart, centre),
-    item(command.loiterToAltitude, centre, [0, radius, 0, 1]),
-    ...(onFinal ? [item(command.waypoint, onFinal)] : []),
+    item(MavCmd.DO_LAND_START, centre),
+    item(MavCmd.NAV_LOITER_TO_ALT, centre, [0, radius, 0, 1]),
+    ...(onFinal ? [item(MavCmd.NAV_WAYPOINT, onFinal)] : []),
     // Read back as 1 unless it is negative: the direction of a deep stall.
-    item(command.land, moved(touchdown, heading_deg, behind_m), [abort_m, 0, 0, 1]),
+    item(MavCmd.NAV_LAND, moved(touchdown, heading_deg, behind_m), [abort_m, 0, 0, 1]),
   ];
 }
 
@@ -161,8 +162,8 @@ export function px4Items(landing, { parameters = {} } = {}) {
   }
   // param1: it leaves the circle in the direction of the next item.
   return [
-    item(command.landStart, undefined, [], frame.noPlace),
-    item(command.loiterToAltitude, centre, [1, radius_m * (isRight ? 1 : -1), 0, 1]),
-    item(command.land, touchdown, [0, 0, 0, NaN]),
+    item(MavCmd.DO_LAND_START, undefined, [], MavFrame.MISSION),
+    item(MavCmd.NAV_LOITER_TO_ALT, centre, [1, radius_m * (isRight ? 1 : -1), 0, 1]),
+    item(MavCmd.NAV_LAND, touchdown, [0, 0, 0, NaN]),
   ];
 }

@@ -1,14 +1,14 @@
 // Starts the landing that is in the autopilot by DO_LAND_START, and says what became of it.
 // A person who takes another mode ends it.
 
-import { command } from './mission_items.js';
+import { MavCmd, MavFrame, MavResult } from '../messages.js';
 
 const repeat_s = 1.5;
 const numStarts = 4;
 // From the autopilot's word that it flies the landing until it is seen to.
 const seen_s = 8;
 
-const landingAt = (items) => items.findIndex((one) => one.command === command.landStart);
+const landingAt = (items) => items.findIndex((one) => one.command === MavCmd.DO_LAND_START);
 
 export class LandingStart {
   #out;
@@ -62,13 +62,13 @@ export class LandingStart {
     }
     start.sent_s = now_s;
     ++start.numSent;
-    this.#out.send('COMMAND_INT', { command: command.landStart, frame: 0, current: 0, autocontinue: 0 });
+    this.#out.send('COMMAND_INT', { command: MavCmd.DO_LAND_START, frame: MavFrame.GLOBAL, current: 0, autocontinue: 0 });
   }
 
   onAck({ command: id, result }, now_s) {
     const start = this.#start;
-    if (id !== command.landStart || !start || start.accepted_s !== undefined) return;
-    if (result === 0) start.accepted_s = now_s;
+    if (id !== MavCmd.DO_LAND_START || !start || start.accepted_s !== undefined) return;
+    if (result === MavResult.ACCEPTED) start.accepted_s = now_s;
     else this.#fail(`but it refused to start it (${result})`);
   }
 

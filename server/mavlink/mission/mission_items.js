@@ -1,21 +1,19 @@
 // Mission items as MAVLink carries them: how one is written, and when two are the same.
 
 import { wrapped } from '../antimeridian.js';
+import { MavFrame } from '../messages.js';
 
-export const missionType = { mission: 0, rally: 2 };
-export const command = {
-  waypoint: 16, land: 21, loiterToAltitude: 31, landStart: 189, rallyPoint: 5100,
+const withoutInt = {
+  [MavFrame.GLOBAL_INT]: MavFrame.GLOBAL, [MavFrame.GLOBAL_RELATIVE_ALT_INT]: MavFrame.GLOBAL_RELATIVE_ALT,
+  [MavFrame.GLOBAL_TERRAIN_ALT_INT]: MavFrame.GLOBAL_TERRAIN_ALT,
 };
-export const frame = { amsl: 0, noPlace: 2, aboveHome: 3 };
-
-const withoutInt = { 5: 0, 6: 3, 11: 10 };
 const params = ['param1', 'param2', 'param3', 'param4'];
 // An autopilot stores whole centimetres and floats of 32 bits.
 const altitudeTolerance_m = 0.02;
 const paramTolerance = 1e-3;
 const degreesE7 = (value_deg) => Math.round(value_deg * 1e7);
 
-export function item(id, place, [param1 = 0, param2 = 0, param3 = 0, param4 = 0] = [], inFrame = frame.amsl) {
+export function item(id, place, [param1 = 0, param2 = 0, param3 = 0, param4 = 0] = [], inFrame = MavFrame.GLOBAL) {
   return {
     frame: inFrame, command: id, param1, param2, param3, param4,
     x: place ? degreesE7(place.latitude_deg) : 0, y: place ? degreesE7(wrapped(place.longitude_deg)) : 0, z: place?.altitude_m ?? 0,

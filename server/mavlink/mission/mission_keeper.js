@@ -1,11 +1,12 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
+import { MavCmd, MavMissionType } from '../messages.js';
 import { ardupilotItems, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
 import { LandingStart } from './landing_start.js';
 import { warningsOf } from './landing_warnings.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
-import { areSame, command, item, missionType } from './mission_items.js';
+import { areSame, item } from './mission_items.js';
 import { Download } from './item_transfer.js';
 
 const requests = new Set(['MISSION_REQUEST', 'MISSION_REQUEST_INT']);
@@ -147,7 +148,7 @@ export class MissionKeeper {
     this.#lasting = undefined;
     this.#state = { state: 'uploading', site: landing.site_id, kind: 'landing' };
     this.#task = new Task(changeItems({
-      out: this.#out, type: missionType.mission, rules: this.#rules(), base: job.old, earlier: job.earlier,
+      out: this.#out, type: MavMissionType.MISSION, rules: this.#rules(), base: job.old, earlier: job.earlier,
       known: trustsKnown && this.#suspect_s === undefined && !left ? this.#known?.items : undefined,
       wantedFrom: (old) => (keepsOthers && this.#whyNot(old)) || this.#missionWith(landing, keepsOthers ? old : old.slice(0, Number(this.#vehicle().isArdupilot))),
       // The item that is flown would end, and the autopilot return to launch.
@@ -177,7 +178,7 @@ export class MissionKeeper {
 
   // Its own landing sequence would be replaced under it.
   #whyNot(old) {
-    const landingAt = old.findIndex((one) => one.command === command.landStart);
+    const landingAt = old.findIndex((one) => one.command === MavCmd.DO_LAND_START);
     const isLanding = this.#fliesMission && landingAt >= 0 && this.#vehicle().current_item >= landingAt;
     return isLanding ? 'the autopilot flies a landing sequence: take another mode first' : undefined;
   }
@@ -193,9 +194,9 @@ export class MissionKeeper {
       if (error instanceof NoLanding) return error.message;
       throw error;
     }
-    const landingAt = old.findIndex((one) => one.command === command.landStart);
+    const landingAt = old.findIndex((one) => one.command === MavCmd.DO_LAND_START);
     const before = landingAt < 0 ? old : old.slice(0, landingAt);
-    if (isArdupilot && before.length === 0) return [item(command.waypoint), ...ours];
+    if (isArdupilot && before.length === 0) return [item(MavCmd.NAV_WAYPOINT), ...ours];
     return [...before, ...ours];
   }
 
@@ -275,11 +276,11 @@ export class MissionKeeper {
 
   #onForeign(name, { missionType: type }) {
     const isOfUpload = requests.has(name) || name === 'MISSION_ACK';
-    if (type === missionType.mission && isOfUpload) this.#suspectOther('another ground station writes');
+    if (type === MavMissionType.MISSION && isOfUpload) this.#suspectOther('another ground station writes');
   }
 
   #onProbe(name, { missionType: type, type: code, count }) {
-    if (type !== missionType.mission || !this.#known?.site) return;
+    if (type !== MavMissionType.MISSION || !this.#known?.site) return;
     const isWriting = name === 'MISSION_ACK' && code === denied;
     if (isWriting || (name === 'MISSION_COUNT' && count !== this.#known.items.length)) this.#suspectOther('another ground station writes');
   }
@@ -316,13 +317,13 @@ export class MissionKeeper {
     const isWanted = this.#vehicle().isArdupilot && this.#known?.site && this.#suspect_s === undefined;
     if (!isWanted || this.#now_s - this.#probed_s < probe_s) return;
     this.#probed_s = this.#now_s;
-    this.#out.send('MISSION_REQUEST_LIST', { missionType: missionType.mission });
+    this.#out.send('MISSION_REQUEST_LIST', { missionType: MavMissionType.MISSION });
   }
 
   // Nothing is sent on the final.
   get #isOnFinal() {
     const { current_item, mode, missionMode } = this.#vehicle();
-    return this.#known?.items[current_item]?.command === command.land && mode === missionMode;
+    return this.#known?.items[current_item]?.command === MavCmd.NAV_LAND && mode === missionMode;
   }
 
   #check() {
@@ -333,7 +334,7 @@ export class MissionKeeper {
       this.#finishLeft(left);
       return;
     }
-    const download = new Download(this.#out, missionType.mission);
+    const download = new Download(this.#out, MavMissionType.MISSION);
     const read = function* read() { return yield download; };
     this.#task = new Task(read(), (result) => {
       this.#task = undefined;
@@ -360,7 +361,7 @@ export class MissionKeeper {
     const job = { finish: () => {}, landing: { site_id: site }, old, wanted, earlier };
     this.#job = job;
     this.#task = new Task(finishChange({
-      out: this.#out, type: missionType.mission, rules: this.#rules(), old, wanted, earlier,
+      out: this.#out, type: MavMissionType.MISSION, rules: this.#rules(), old, wanted, earlier,
       flownItem: () => this.#flownItem,
       onTrouble: (why) => this.#alarm(alarmOf.trouble(why)),
     }), (end) => this.#end(job, end));

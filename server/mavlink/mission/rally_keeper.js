@@ -1,8 +1,9 @@
 // Rally points at the best sites in reach, if the operator wants them (--rally): the places to which
 // an autopilot returns by itself.
 
+import { MavCmd, MavFrame, MavMissionType } from '../messages.js';
 import { changeItems, outcome, Task } from './mission_change.js';
-import { areSame, command, frame, item, missionType } from './mission_items.js';
+import { areSame, item } from './mission_items.js';
 
 const ask_s = 30;
 const maxNumPoints = 5;
@@ -10,13 +11,13 @@ const maxNumPoints = 5;
 const rallyHeight_m = 100;
 
 // sites: of an answer of /v1/emergency. ArduPilot stores whole metres above home.
-export function rallyItems(sites, home_altitude_m) {
+function rallyItems(sites, home_altitude_m) {
   const isFit = ({ reachable, verdict, altitude_datum, airspaces }) =>
     reachable !== false && verdict === 'landable' && altitude_datum === 'amsl' && !airspaces?.length;
   return sites.filter(isFit)
     .slice(0, maxNumPoints)
-    .map(({ touchdown }) => item(command.rallyPoint,
-      { ...touchdown, altitude_m: Math.ceil(touchdown.altitude_m - home_altitude_m + rallyHeight_m) }, [], frame.aboveHome));
+    .map(({ touchdown }) => item(MavCmd.NAV_RALLY_POINT,
+      { ...touchdown, altitude_m: Math.ceil(touchdown.altitude_m - home_altitude_m + rallyHeight_m) }, [], MavFrame.GLOBAL_RELATIVE_ALT));
 }
 
 export class RallyKeeper {
@@ -64,7 +65,7 @@ export class RallyKeeper {
 
   #write(items) {
     this.#task = new Task(changeItems({
-      out: this.#out, type: missionType.rally, rules: {}, wantedFrom: () => items, onWrite: () => {},
+      out: this.#out, type: MavMissionType.RALLY, rules: {}, wantedFrom: () => items, onWrite: () => {},
       onTrouble: (why) => {
         this.alarm = `it is not known which rally points the autopilot has: ${why}`;
       },

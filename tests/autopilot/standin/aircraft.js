@@ -23,7 +23,7 @@ import { whyNotFlown } from './px4.js';
 import { Random } from './random.js';
 import { Sensors } from './sensors.js';
 import { Streams } from './streams.js';
-import { allZero, fieldsOf, messageIdOf, Sender } from './wire.js';
+import { allZero, fieldsOf, Sender } from './wire.js';
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
 const degrees = (angle_rad) => (angle_rad * 180) / Math.PI;
@@ -36,7 +36,6 @@ const itemMessages = new Set(['MISSION_COUNT', 'MISSION_ITEM_INT', 'MISSION_REQU
   'MISSION_REQUEST', 'MISSION_CLEAR_ALL', 'MISSION_ACK']);
 const ardupilot = 3;
 const px4 = 12;
-const nameOfId = new Map([...messageIdOf].map(([name, id]) => [id, name]));
 
 export class Standin {
   #options;
@@ -379,10 +378,10 @@ export class Standin {
       placeAt: (item) => this.#place(item),
       arm: (isArming, isForced) => this.#arm(isArming, isForced),
       sendParameter: (name) => this.#sendParameter(name),
-      setInterval: (id, interval_us) => this.#streams.setInterval(nameOfId.get(id), interval_us),
+      setInterval: (id, interval_us) => this.#streams.setInterval(nameOf(id), interval_us),
       sendOnce: (id) => {
-        const fields = this.#streams.fields(nameOfId.get(id), this.#state());
-        if (fields) this.#emit(nameOfId.get(id), fields);
+        const fields = this.#streams.fields(nameOf(id), this.#state());
+        if (fields) this.#emit(nameOf(id), fields);
         return fields !== undefined;
       },
     });

@@ -44,11 +44,6 @@ function bankForAim(velocity, aim_rad, ahead_m) {
   return bankFor((4 * damping ** 2 * speedOf(velocity) ** 2 * Math.sin(error_rad)) / ahead_m);
 }
 
-export function bankForCourse(velocity, course_rad) {
-  const error_rad = wrapped(course_rad - courseOf(velocity));
-  return bankFor(speedOf(velocity) * courseGain_per_s * error_rad);
-}
-
 // direction: 1 clockwise, -1 counter-clockwise.
 export function bankForCircle(place, velocity, centre, radius_m, direction) {
   const distance_m = distance(place, centre);

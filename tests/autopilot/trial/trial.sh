@@ -5,7 +5,7 @@
 #                                  [--first N] [--altimeter survey|true] [--processes N] [--keep DIR]
 #
 # The world is a mosaic of --side x --side seeded worlds, each surveyed by a flight of its own
-# (tests/evaluation/insurance.sh makes it once, in --folder, half a minute a world). Flights have
+# (tests/evaluation/flown/mosaic.sh makes it once, in --folder, half a minute a world). Flights have
 # the seeds from --first on. --altimeter survey: the altimeter of the aircraft has the error of the
 # survey below it, as in one flight; true: it has none. Each process has a server of its own. --keep
 # keeps tracks and verdicts in a folder, for draw_track.js.
@@ -40,8 +40,7 @@ for program in server/freelsd-server tests/freelsd-judge-tracks; do
 done
 [ -d "$root/server/mavlink/node_modules" ] || npm ci --prefix "$root/server/mavlink" --no-audit --no-fund
 [ -e "$folder/$seed/complete" ] ||
-  "$root/tests/evaluation/insurance.sh" --build "$build" --folder "$folder" --mosaics 1 --side "$side" \
-    --seed "$seed" --routes 1
+  "$root/tests/evaluation/flown/mosaic.sh" --build "$build" --folder "$folder" --side "$side" --seed "$seed"
 judge() { "$build/tests/freelsd-judge-tracks" --side "$side" --seed "$seed" "$@"; }
 [ -e "$folder/$seed-surface.f32" ] || judge --heights "$folder/$seed-surface"
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/adjustment/adjustment.h"
+#include "tests/engine/camera.h"
 
 namespace freelsd {
 
@@ -51,15 +52,7 @@ struct Survey {
   std::vector<Eigen::Vector3d> points_in_world;
 };
 
-inline Camera SurveyCamera() {
-  Camera camera;
-  camera.width_px = 1000;
-  camera.height_px = 750;
-  camera.fx_px = camera.fy_px = 800.0;
-  camera.cx_px = 499.5;
-  camera.cy_px = 374.5;
-  return camera;
-}
+inline Camera SurveyCamera() { return CenteredCamera(1000, 750, 800.0); }
 
 inline double SurveyGround(double east, double north, double relief_m) {
   return relief_m * (std::sin(east / 35.0) + std::cos(north / 28.0));

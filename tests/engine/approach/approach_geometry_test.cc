@@ -1,10 +1,10 @@
 #include <cmath>
-#include <stdexcept>
 
 #include <doctest/doctest.h>
 
 #include "engine/approach/approach.h"
 #include "tests/engine/approach/scene.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -68,46 +68,34 @@ TEST_CASE("approach: the loiter circle is closed, level, tangent to the final an
 }
 
 TEST_CASE("approach: each option out of its bounds is refused by name") {
-  const auto message_of = [](const auto& change) {
-    ApproachOptions options;
-    change(options);
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message_of([](ApproachOptions&) {}).empty());
-  CHECK(message_of([](ApproachOptions& o) { o.heading_step_deg = 0.0; }) ==
+  using O = ApproachOptions;
+  CHECK_NOTHROW(O().Check());
+  CHECK(RefusalOf(&O::heading_step_deg, 0.0) ==
         "approach.heading_step_deg = 0: must be in [1, 180]");
-  CHECK(message_of([](ApproachOptions& o) {
-          o.min_map_position_sd_m = -1.0;
-        }).find("map_position_sd") != std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.path_step_m = 0.0; }).find("path_step_m") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.max_height_sd_m = NAN; }).find("max_height_sd_m") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.max_num_candidates = 0; }).find("max_num_cand") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.max_num_reserve_candidates = -1; }) ==
+  CHECK(IsRefused(&O::min_map_position_sd_m, -1.0, "map_position_sd"));
+  CHECK(IsRefused(&O::path_step_m, 0.0, "path_step_m"));
+  CHECK(IsRefused(&O::max_height_sd_m, NAN, "max_height_sd_m"));
+  CHECK(IsRefused(&O::max_num_candidates, 0, "max_num_cand"));
+  CHECK(RefusalOf(&O::max_num_reserve_candidates, -1) ==
         "approach.max_num_reserve_candidates = -1: must be in [0, 1e+06]");
-  CHECK(message_of([](ApproachOptions& o) { o.path_margin_sigma = 11; }) ==
+  CHECK(RefusalOf(&O::path_margin_sigma, 11.0) ==
         "approach.path_margin_sigma = 11: must be in [0, 10]");
-  CHECK(message_of([](ApproachOptions& o) {
-          o.max_num_reserve_candidates = 0;
-          o.path_margin_sigma = 0;
-        }).empty());
-  CHECK(message_of([](ApproachOptions& o) { o.candidate_spacing_m = -1; }).find("spacing") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.calm_wind_mps = -1; }).find("calm_wind_mps") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.unknown_wind_mps = -1; }).find("unknown_wind") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.max_num_rejections = -1; }).find("rejections") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.unclear_height_allowance_m = -2; }).find("allow") !=
-        std::string::npos);
+  CHECK(RefusalOf(&O::max_num_reserve_candidates, 0).empty());
+  CHECK(RefusalOf(&O::path_margin_sigma, 0.0).empty());
+  CHECK(IsRefused(&O::candidate_spacing_m, -1.0, "spacing"));
+  CHECK(IsRefused(&O::calm_wind_mps, -1.0, "calm_wind_mps"));
+  CHECK(IsRefused(&O::unknown_wind_mps, -1.0, "unknown_wind"));
+  CHECK(IsRefused(&O::max_num_rejections, -1, "rejections"));
+  CHECK(IsRefused(&O::unclear_height_allowance_m, -2.0, "allow"));
+  CHECK(RefusalOf(&O::start_height_ratios, {1.0}).empty());
+  CHECK(RefusalOf(&O::start_height_ratios, {}) ==
+        "approach.start_height_ratios = 0 numbers: must be 1 to 10");
+  for (const std::vector<double>& ratios : {std::vector<double>(11, 1.0),
+                                            std::vector<double>{2.0, 1.0},
+                                            std::vector<double>{1.0, 21.0},
+                                            std::vector<double>{std::nan("")}}) {
+    CHECK(IsRefused(&O::start_height_ratios, ratios, "start_height_ratios"));
+  }
 }
 
 }  // namespace

@@ -221,17 +221,5 @@ TEST_CASE("approach: nothing seen or unseen stands in the way of a landable plan
   CHECK(num_landable > kNumMaps / 10);
 }
 
-TEST_CASE("approach: the same plan comes out twice") {
-  World world(13);
-  const Scene scene = RandomScene(world);
-  const PlanRequest request = scene::Request(scene::Box({-5, -5}, {5, 5}), std::nullopt);
-  const Plan a = PlanApproach(scene.map, scene.hazards, request, Tiny(), ApproachOptions{});
-  const Plan b = PlanApproach(scene.map, scene.hazards, request, Tiny(), ApproachOptions{});
-  CHECK(a.touchdown_in_world == b.touchdown_in_world);
-  CHECK(a.score == b.score);
-  CHECK(a.reject_detail == b.reject_detail);
-  CHECK(a.rejections.size() == b.rejections.size());
-}
-
 }  // namespace
 }  // namespace freelsd

@@ -350,36 +350,5 @@ TEST_CASE("approach: an empty map and layers of another grid are an answer and a
   CHECK_THROWS_AS(PlanOn(mixed, request), std::invalid_argument);
 }
 
-TEST_CASE("approach: a blocked field is searched in every heading before it is rejected") {
-  Scene meadow = FlatMeadow(900, 900);
-  AddBlock(meadow, {-450, 260}, {450, 270}, 60.0);
-  AddBlock(meadow, {-450, -270}, {450, -260}, 60.0);
-  AddBlock(meadow, {-270, -450}, {-260, 450}, 60.0);
-  AddBlock(meadow, {260, -450}, {270, 450}, 60.0);
-  const PlanRequest request = Request(Box({-100, -100}, {100, 100}), std::nullopt);
-  const Plan plan = PlanOn(meadow, request, *AircraftProfile("techpod"));
-  CHECK(plan.verdict == Verdict::kRejected);
-  REQUIRE(plan.reject_reason.has_value());
-}
-
-TEST_CASE("approach: heights of the start are few, ascending and within bounds") {
-  const auto message_of = [](const std::vector<double>& ratios) {
-    ApproachOptions options;
-    options.start_height_ratios = ratios;
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message_of({1.0}).empty());
-  CHECK(message_of({}) == "approach.start_height_ratios = 0 numbers: must be 1 to 10");
-  CHECK_FALSE(message_of(std::vector<double>(11, 1.0)).empty());
-  CHECK_FALSE(message_of({2.0, 1.0}).empty());
-  CHECK_FALSE(message_of({1.0, 21.0}).empty());
-  CHECK_FALSE(message_of({std::nan("")}).empty());
-}
-
 }  // namespace
 }  // namespace freelsd

@@ -4,6 +4,7 @@
 
 #include "tests/engine/cover/photo.h"
 #include "tests/engine/hazard/assess.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -260,44 +261,30 @@ TEST_CASE("look-alikes: a picture in which all is as it should be changes nothin
 }
 
 TEST_CASE("look-alikes: options out of bounds are refused by name") {
-  const auto message_of = [](const auto& change) {
-    CoverOptions options;
-    change(options);
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
   using O = CoverOptions;
-  CHECK(message_of([](O& o) {
-          o.min_rut_contrast = o.min_row_strength = o.min_detail_ratio = o.min_object_deviations =
-              0;
-        }).empty());
-  CHECK(message_of([](O& o) { o.min_rut_contrast = 1.5; }) ==
-        "hazard.min_rut_contrast = 1.5: must be in [0, 1]");
-  CHECK_FALSE(message_of([](O& o) { o.rut_filter_length_m = 0.5; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.min_track_length_m = 0.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.min_working_width_m = 2.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.max_working_width_m = 101.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.sprayed_margin_m = -1.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.min_row_strength = std::nan(""); }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.min_row_spacing_m = 0.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.max_row_spacing_m = 11.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.min_detail_ratio = -0.1; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.min_object_deviations = -1.0; }).empty());
-  CHECK_FALSE(message_of([](O& o) { o.object_surroundings_m = 0.0; }).empty());
-}
-
-TEST_CASE("look-alikes: a range that holds nothing is refused: it would switch a rule off") {
-  CoverOptions rows, widths;
-  rows.min_row_spacing_m = 1.0;
-  CHECK_THROWS_WITH_AS(
-      rows.Check(), "hazard.min_row_spacing_m = 1: must be in [0.1, 0.9]", std::invalid_argument);
-  widths.min_working_width_m = 43.0;
-  CHECK_THROWS_WITH_AS(
-      widths.Check(), "hazard.min_working_width_m = 43: must be in [3, 42]", std::invalid_argument);
+  for (double O::*const field : {&O::min_rut_contrast,
+                                 &O::min_row_strength,
+                                 &O::min_detail_ratio,
+                                 &O::min_object_deviations}) {
+    CHECK(RefusalOf(field, 0.0).empty());
+  }
+  CHECK(RefusalOf(&O::min_rut_contrast, 1.5) == "hazard.min_rut_contrast = 1.5: must be in [0, 1]");
+  CHECK(IsRefused(&O::rut_filter_length_m, 0.5, "rut_filter_length_m"));
+  CHECK(IsRefused(&O::min_track_length_m, 0.0, "min_track_length_m"));
+  CHECK(IsRefused(&O::min_working_width_m, 2.0, "min_working_width_m"));
+  CHECK(IsRefused(&O::max_working_width_m, 101.0, "max_working_width_m"));
+  CHECK(IsRefused(&O::sprayed_margin_m, -1.0, "sprayed_margin_m"));
+  CHECK(IsRefused(&O::min_row_strength, std::nan(""), "min_row_strength"));
+  CHECK(IsRefused(&O::min_row_spacing_m, 0.0, "min_row_spacing_m"));
+  CHECK(IsRefused(&O::max_row_spacing_m, 11.0, "max_row_spacing_m"));
+  CHECK(IsRefused(&O::min_detail_ratio, -0.1, "min_detail_ratio"));
+  CHECK(IsRefused(&O::min_object_deviations, -1.0, "min_object_deviations"));
+  CHECK(IsRefused(&O::object_surroundings_m, 0.0, "object_surroundings_m"));
+  // A range that holds nothing would switch a rule off.
+  CHECK(RefusalOf(&O::min_row_spacing_m, 1.0) ==
+        "hazard.min_row_spacing_m = 1: must be in [0.1, 0.9]");
+  CHECK(RefusalOf(&O::min_working_width_m, 43.0) ==
+        "hazard.min_working_width_m = 43: must be in [3, 42]");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/camera.h"
 #include "tests/engine/cover/views_from_above.h"
 
 namespace freelsd {
@@ -189,11 +190,7 @@ TEST_CASE("orthophoto: what lies outside every view is unseen, and an empty map 
 
 TEST_CASE("orthophoto: photographs of twelve megapixels are averaged, not sampled") {
   AdjustedBlock block = BlockOf({SceneView({0.0, 0.0, kHeightM}, 0.0)});
-  block.camera.width_px = 4000;
-  block.camera.height_px = 3000;
-  block.camera.fx_px = block.camera.fy_px = 4200.0;
-  block.camera.cx_px = 1999.5;
-  block.camera.cy_px = 1499.5;
+  block.camera = CenteredCamera(4000, 3000, 4200.0);
   // Black and white pixels, as large as 0.014 m on the ground.
   cv::Mat3b checkered(3000, 4000);
   for (int row = 0; row < checkered.rows; ++row) {

@@ -3,6 +3,7 @@
 
 #include "engine/mosaic/mosaic.h"
 #include "tests/engine/cover/views_from_above.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -57,19 +58,11 @@ TEST_CASE("mosaic lattice: a map beside the world's lattice is refused") {
 }
 
 TEST_CASE("mosaic options: values outside their bounds are refused by name") {
-  MosaicOptions options;
-  options.tile_size_px = 100;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), "mosaic.tile_size_px = 100: must be a power of two", std::invalid_argument);
-  options = {};
-  options.min_pixel_size_m = 0.0;
-  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
-  options = {};
-  options.max_num_candidates = 0;
-  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
-  options = {};
-  options.gain_sd = std::nan("");
-  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
+  CHECK(RefusalOf(&MosaicOptions::tile_size_px, 100) ==
+        "mosaic.tile_size_px = 100: must be a power of two");
+  CHECK(IsRefused(&MosaicOptions::min_pixel_size_m, 0.0, "min_pixel_size_m"));
+  CHECK(IsRefused(&MosaicOptions::max_num_candidates, 0, "max_num_candidates"));
+  CHECK(IsRefused(&MosaicOptions::gain_sd, std::nan(""), "gain_sd"));
 }
 
 }  // namespace

@@ -4,21 +4,13 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/tracks/textured_plane.h"
+
 namespace freelsd {
 namespace {
 
 constexpr double kHeightM = 100.0;
 constexpr double kSpacingM = 30.0;
-
-Rig DownLooking() {
-  Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
-  return rig;
-}
 
 // Photographs that show a place on flat ground at z = 0, each projected on its own.
 int NumProjected(const Rig& rig, const LegLine& leg, const Eigen::Vector2d& place) {
@@ -36,7 +28,7 @@ int NumProjected(const Rig& rig, const LegLine& leg, const Eigen::Vector2d& plac
 }
 
 TEST_CASE("next look: cells are shown as often as photographs of the leg project onto them") {
-  const Rig rig = DownLooking();
+  const Rig rig = VideoRig();
   const PhotoShape shape(rig, kHeightM);
   CHECK(shape.Extent().x() == doctest::Approx(480.0 / 465.0 * kHeightM).epsilon(0.01));
   CHECK(shape.Extent().y() == doctest::Approx(752.0 / 465.0 * kHeightM).epsilon(0.01));
@@ -65,7 +57,7 @@ TEST_CASE("next look: cells are shown as often as photographs of the leg project
 
 TEST_CASE(
     "next look: a camera that sees the horizon shows no ground farther than it can be mapped") {
-  Rig rig = DownLooking();
+  Rig rig = VideoRig();
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(RadFromDeg(70.0), Eigen::Vector3d::UnitX()));
   rig.body_from_camera.rotation = rig.body_from_camera.rotation * tilt;
   const PhotoShape shape(rig, kHeightM);

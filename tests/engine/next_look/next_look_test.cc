@@ -8,22 +8,14 @@
 #include <doctest/doctest.h>
 
 #include "tests/engine/approach/scene.h"
+#include "tests/engine/refusal.h"
+#include "tests/engine/tracks/textured_plane.h"
 
 namespace freelsd {
 namespace {
 
 constexpr double kHeightM = 100.0;
 constexpr uint8_t kOften = 6;
-
-Rig DownLookingRig() {
-  Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
-  return rig;
-}
 
 const Eigen::Quaterniond kLookingUp = Eigen::Quaterniond::Identity();
 const Eigen::Quaterniond kLookingDown(0.0, 1.0, 0.0, 0.0);
@@ -34,7 +26,7 @@ struct HalfFlight {
   scene::Scene ground;
   cv::Mat1b num_views;
   std::vector<SiteSoFar> sites;
-  Rig rig = DownLookingRig();
+  Rig rig = VideoRig();
   std::vector<Rigid3d> flown;
   Aircraft aircraft = scene::Nimble();
   NextLookOptions options;
@@ -283,25 +275,12 @@ TEST_CASE("next look: what cannot be asked is refused") {
 }
 
 TEST_CASE("next look: options out of bounds are named") {
-  const auto refusal_of = [](const std::function<void(NextLookOptions&)>& change) {
-    NextLookOptions options;
-    change(options);
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(refusal_of([](auto&) {}).empty());
-  CHECK(refusal_of([](auto& options) { options.num_legs = 0; }) ==
-        "next_look.num_legs = 0: must be in [1, 8]");
-  CHECK(refusal_of([](auto& options) { options.leg_length_m = 10.0; }).find("leg_length_m") !=
-        std::string::npos);
-  CHECK(refusal_of([](auto& options) { options.unverified_value = 1.5; }).find("unverified") !=
-        std::string::npos);
-  CHECK(refusal_of([](auto& options) { options.missing_exponent = 0.0; }).find("missing") !=
-        std::string::npos);
+  using O = NextLookOptions;
+  CHECK_NOTHROW(O().Check());
+  CHECK(RefusalOf(&O::num_legs, 0) == "next_look.num_legs = 0: must be in [1, 8]");
+  CHECK(IsRefused(&O::leg_length_m, 10.0, "leg_length_m"));
+  CHECK(IsRefused(&O::unverified_value, 1.5, "unverified"));
+  CHECK(IsRefused(&O::missing_exponent, 0.0, "missing"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/engine/approach/scene.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -192,18 +193,9 @@ TEST_CASE("obstacles: the plan without them is kept where they alone reject a re
 TEST_CASE("obstacles: options and grids are checked") {
   const Scene meadow = FlatMeadow(10, 10), other = FlatMeadow(11, 10);
   CHECK_THROWS_AS(WithObstacles(meadow.map, other.hazards, {}, {}), std::invalid_argument);
-  ObstacleOptions options;
-  options.position_sigma = -1.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), doctest::Contains("obstacles.position_sigma"), std::invalid_argument);
-  options = {};
-  options.min_height_m = 0.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), doctest::Contains("obstacles.min_height_m"), std::invalid_argument);
-  options = {};
-  options.people_height_m = 0.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), doctest::Contains("obstacles.people_height_m"), std::invalid_argument);
+  CHECK(IsRefused(&ObstacleOptions::position_sigma, -1.0, "obstacles.position_sigma"));
+  CHECK(IsRefused(&ObstacleOptions::min_height_m, 0.0, "obstacles.min_height_m"));
+  CHECK(IsRefused(&ObstacleOptions::people_height_m, 0.0, "obstacles.people_height_m"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/refusal.h"
 #include "tests/engine/regions/detections.h"
 
 namespace freelsd {
@@ -179,10 +180,11 @@ std::string Summary(const std::vector<Region>& regions) {
   return text;
 }
 
-TEST_CASE("regions: with poses off by metres a field stays one region") {
+// Of the 80 fields of 20 flights.
+int NumDuplicates(const RegionsOptions& options) {
   int num_duplicates = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
-    RegionTracker tracker(PaperRule());
+    RegionTracker tracker(options);
     const auto views = NoisyFlight(seed, 40);
     for (size_t view = 0; view < views.size(); ++view) tracker.Update(Stamp(view), views[view], 10);
     const std::vector<Region> ranked = tracker.Ranked();
@@ -192,23 +194,15 @@ TEST_CASE("regions: with poses off by metres a field stays one region") {
     CHECK(num_graded >= 4);
     num_duplicates += static_cast<int>(ranked.size()) - 4;
   }
-  CHECK(num_duplicates <= 4);  // of 80 fields
+  return num_duplicates;
+}
+
+TEST_CASE("regions: with poses off by metres a field stays one region") {
+  CHECK(NumDuplicates(PaperRule()) <= 4);
 }
 
 TEST_CASE("regions: with the default rule a field is at most 1.1 regions on average") {
-  int num_duplicates = 0;
-  for (unsigned seed = 0; seed < 20; ++seed) {
-    RegionTracker tracker(RegionsOptions{});
-    const auto views = NoisyFlight(seed, 40);
-    for (size_t view = 0; view < views.size(); ++view) tracker.Update(Stamp(view), views[view], 10);
-    const std::vector<Region> ranked = tracker.Ranked();
-    REQUIRE(ranked.size() >= 4);
-    const auto num_graded = std::count_if(
-        ranked.begin(), ranked.end(), [](const Region& region) { return region.grade > 0.0; });
-    CHECK(num_graded >= 4);
-    num_duplicates += static_cast<int>(ranked.size()) - 4;
-  }
-  CHECK(num_duplicates <= 8);  // of 80 fields
+  CHECK(NumDuplicates(RegionsOptions{}) <= 8);
 }
 
 TEST_CASE("regions: the order of the segments within a view does not matter") {
@@ -320,32 +314,21 @@ TEST_CASE("regions: the observations needed follow from how often a place is see
 }
 
 TEST_CASE("regions: options out of bounds are refused by name") {
-  CHECK_NOTHROW(RegionsOptions{}.Check());
-  const auto message_of = [](const auto& change) {
-    RegionsOptions options;
-    change(options);
-    try {
-      Regions regions(options);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message_of([](RegionsOptions& o) { o.min_area_m2 = 0; }) ==
-        "regions.min_area_m2 = 0: must be positive and finite");
-  CHECK(message_of([](RegionsOptions& o) { o.min_num_observations = 1; }) ==
+  using O = RegionsOptions;
+  CHECK_NOTHROW(O().Check());
+  CHECK_THROWS_AS(Regions(O{.min_area_m2 = 0.0}), std::invalid_argument);
+  CHECK(RefusalOf(&O::min_area_m2, 0.0) == "regions.min_area_m2 = 0: must be positive and finite");
+  CHECK(RefusalOf(&O::min_num_observations, 1) ==
         "regions.min_num_observations = 1: must be at least min_num_observations_floor = 2");
-  CHECK(message_of([](RegionsOptions& o) { o.min_num_observations_floor = 1; }) ==
+  CHECK(RefusalOf(&O::min_num_observations_floor, 1) ==
         "regions.min_num_observations_floor = 1: must be at least 2");
-  CHECK(message_of([](RegionsOptions& o) { o.min_fixing_overlap_ratio = 1.5; }) ==
+  CHECK(RefusalOf(&O::min_fixing_overlap_ratio, 1.5) ==
         "regions.min_fixing_overlap_ratio = 1.5: must be in [0, 1]");
-  CHECK_FALSE(
-      message_of([](RegionsOptions& o) { o.min_fixing_overlap_ratio = std::nan(""); }).empty());
-  CHECK(message_of([](RegionsOptions& o) { o.max_num_regions = 0; }) ==
-        "regions.max_num_regions = 0: must be at least 1");
-  CHECK(message_of([](RegionsOptions& o) { o.border_margin_px = -1; }) ==
+  CHECK(IsRefused(&O::min_fixing_overlap_ratio, std::nan(""), "min_fixing_overlap_ratio"));
+  CHECK(RefusalOf(&O::max_num_regions, 0) == "regions.max_num_regions = 0: must be at least 1");
+  CHECK(RefusalOf(&O::border_margin_px, -1) ==
         "regions.border_margin_px = -1: must be at least 0 and finite");
-  CHECK(message_of([](RegionsOptions& o) { o.max_viewing_distance_ratio = 1; }) ==
+  CHECK(RefusalOf(&O::max_viewing_distance_ratio, 1.0) ==
         "regions.max_viewing_distance_ratio = 1: must be greater than 1 and finite");
 }
 

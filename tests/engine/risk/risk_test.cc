@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/engine/approach/scene.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -145,18 +146,9 @@ TEST_CASE("risk: both ways to ask give the same probability, every time") {
 }
 
 TEST_CASE("risk: options outside their range are refused by name") {
-  RiskOptions options;
-  options.num_risk_flights = 0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), doctest::Contains("approach.num_risk_flights"), std::invalid_argument);
-  options = {};
-  options.error_length_m = 0.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), doctest::Contains("approach.error_length_m"), std::invalid_argument);
-  options = {};
-  options.unmeasured_wind_sd_mps = -1.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), doctest::Contains("approach.unmeasured_wind_sd_mps"), std::invalid_argument);
+  CHECK(IsRefused(&RiskOptions::num_risk_flights, 0, "approach.num_risk_flights"));
+  CHECK(IsRefused(&RiskOptions::error_length_m, 0.0, "approach.error_length_m"));
+  CHECK(IsRefused(&RiskOptions::unmeasured_wind_sd_mps, -1.0, "approach.unmeasured_wind_sd_mps"));
 }
 
 }  // namespace

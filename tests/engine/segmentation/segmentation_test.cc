@@ -7,7 +7,8 @@
 #include <doctest/doctest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/geometry/geometry.h"
+#include "tests/engine/camera.h"
+#include "tests/engine/refusal.h"
 
 namespace freelsd {
 namespace {
@@ -15,14 +16,8 @@ namespace {
 constexpr double kHeightM = 100.0;
 
 Camera TestCamera(const cv::Size& size) {
-  Camera camera;
-  camera.width_px = size.width;
-  camera.height_px = size.height;
   // 0.15 m on the ground per pixel at kHeightM.
-  camera.fx_px = camera.fy_px = kHeightM / 0.15;
-  camera.cx_px = 0.5 * (size.width - 1);
-  camera.cy_px = 0.5 * (size.height - 1);
-  return camera;
+  return CenteredCamera(size.width, size.height, kHeightM / 0.15);
 }
 
 // A meadow of faint texture.
@@ -176,17 +171,12 @@ TEST_CASE("segmentation: bad input and options are named") {
   CHECK_THROWS_WITH_AS(SegmentFrame(image, TestCamera({81, 60}), kHeightM, {}),
                        "segmentation: image is 80x60, camera says 81x60",
                        std::invalid_argument);
-  SegmentationOptions options;
-  options.canny_high = 0.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), "segmentation.canny_high = 0: must be in [1, 2000]", std::invalid_argument);
-  options = {};
-  options.max_grey = 5.0;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), "segmentation.max_grey = 5: must be in [12, 255]", std::invalid_argument);
-  options = {};
-  options.ground_sampling_distance_m = std::nan("");
-  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
+  CHECK(RefusalOf(&SegmentationOptions::canny_high, 0.0) ==
+        "segmentation.canny_high = 0: must be in [1, 2000]");
+  CHECK(RefusalOf(&SegmentationOptions::max_grey, 5.0) ==
+        "segmentation.max_grey = 5: must be in [12, 255]");
+  CHECK(
+      IsRefused(&SegmentationOptions::ground_sampling_distance_m, std::nan(""), "ground_sampling"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "engine/selection/selection.h"
+#include "tests/engine/camera.h"
 
 namespace freelsd {
 namespace {
@@ -23,11 +24,7 @@ Candidate RegionAt(int id, double east, double north) {
 Snapshot LineFlight(int num_views, double spacing) {
   Snapshot snapshot;
   Camera& camera = snapshot.rig.camera;
-  camera.width_px = 752;
-  camera.height_px = 480;
-  camera.fx_px = camera.fy_px = 450.0;
-  camera.cx_px = 375.5;
-  camera.cy_px = 239.5;
+  camera = CenteredCamera(752, 480, 450.0);
   for (int i = 0; i < num_views; ++i) {
     View view;
     view.frame_id = std::to_string(i);

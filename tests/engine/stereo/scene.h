@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/stereo/stereo.h"
+#include "tests/engine/camera.h"
 
 namespace freelsd {
 
@@ -89,15 +90,7 @@ inline cv::Mat Render(const Scene& scene, const Rigid3d& world_from_camera, uint
   return image;
 }
 
-inline Camera SceneCamera() {
-  Camera camera;
-  camera.width_px = 376;
-  camera.height_px = 300;
-  camera.fx_px = camera.fy_px = 400.0;
-  camera.cx_px = 187.5;
-  camera.cy_px = 149.5;
-  return camera;
-}
+inline Camera SceneCamera() { return CenteredCamera(376, 300, 400.0); }
 
 // Camera that looks down with its image top along the heading (radians), then tilted.
 inline Rigid3d SceneView(const Eigen::Vector3d& position,

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <doctest/doctest.h>
 
+#include "tests/engine/refusal.h"
 #include "tests/engine/stereo/scene.h"
 
 namespace freelsd {
@@ -252,35 +253,29 @@ TEST_CASE("pairs: views that look apart, or one above the other, are none") {
 }
 
 TEST_CASE("stereo: Check names field, value and constraint") {
-  StereoOptions options;
-  CHECK_NOTHROW(options.Check());
-  options.block_size_px = 8;
-  CHECK_THROWS_WITH_AS(
-      options.Check(), "stereo.block_size_px = 8: must be odd, in [1, 21]", std::invalid_argument);
-  const auto refuses = [](auto field, auto value) {
-    StereoOptions wrong;
-    wrong.*field = value;
-    CHECK_THROWS_AS(wrong.Check(), std::invalid_argument);
-  };
-  refuses(&StereoOptions::ground_sampling_distance_m, 0.0);
-  refuses(&StereoOptions::ideal_baseline_ratio, 0.05);
-  refuses(&StereoOptions::min_baseline_ratio, 0.0);
-  refuses(&StereoOptions::max_baseline_ratio, 6.0);
-  refuses(&StereoOptions::max_axis_angle_deg, 91.0);
-  refuses(&StereoOptions::num_partners, 0);
-  refuses(&StereoOptions::min_num_shared_landmarks, 0);
-  refuses(&StereoOptions::relief_margin_m, -1.0);
-  refuses(&StereoOptions::p1_factor, 0);
-  refuses(&StereoOptions::p2_factor, 8);
-  refuses(&StereoOptions::uniqueness_ratio_percent, 100);
-  refuses(&StereoOptions::speckle_size_px, -1);
-  refuses(&StereoOptions::max_left_right_difference_px, -1);
-  refuses(&StereoOptions::min_texture_grey, -0.1);
-  refuses(&StereoOptions::correlation_window_px, 10);
-  refuses(&StereoOptions::min_correlation, 1.0);
-  refuses(&StereoOptions::max_num_disparities, 8);
-  refuses(&StereoOptions::max_points_per_m2, 0.0);
-  refuses(&StereoOptions::disparity_sd_px, 0.0);
+  CHECK_NOTHROW(StereoOptions().Check());
+  CHECK(RefusalOf(&StereoOptions::block_size_px, 8) ==
+        "stereo.block_size_px = 8: must be odd, in [1, 21]");
+  CHECK(IsRefused(&StereoOptions::ground_sampling_distance_m, 0.0, "ground_sampling_distance_m"));
+  CHECK(IsRefused(&StereoOptions::ideal_baseline_ratio, 0.05, "ideal_baseline_ratio"));
+  CHECK(IsRefused(&StereoOptions::min_baseline_ratio, 0.0, "min_baseline_ratio"));
+  CHECK(IsRefused(&StereoOptions::max_baseline_ratio, 6.0, "max_baseline_ratio"));
+  CHECK(IsRefused(&StereoOptions::max_axis_angle_deg, 91.0, "max_axis_angle_deg"));
+  CHECK(IsRefused(&StereoOptions::num_partners, 0, "num_partners"));
+  CHECK(IsRefused(&StereoOptions::min_num_shared_landmarks, 0, "min_num_shared_landmarks"));
+  CHECK(IsRefused(&StereoOptions::relief_margin_m, -1.0, "relief_margin_m"));
+  CHECK(IsRefused(&StereoOptions::p1_factor, 0, "p1_factor"));
+  CHECK(IsRefused(&StereoOptions::p2_factor, 8, "p2_factor"));
+  CHECK(IsRefused(&StereoOptions::uniqueness_ratio_percent, 100, "uniqueness_ratio_percent"));
+  CHECK(IsRefused(&StereoOptions::speckle_size_px, -1, "speckle_size_px"));
+  CHECK(
+      IsRefused(&StereoOptions::max_left_right_difference_px, -1, "max_left_right_difference_px"));
+  CHECK(IsRefused(&StereoOptions::min_texture_grey, -0.1, "min_texture_grey"));
+  CHECK(IsRefused(&StereoOptions::correlation_window_px, 10, "correlation_window_px"));
+  CHECK(IsRefused(&StereoOptions::min_correlation, 1.0, "min_correlation"));
+  CHECK(IsRefused(&StereoOptions::max_num_disparities, 8, "max_num_disparities"));
+  CHECK(IsRefused(&StereoOptions::max_points_per_m2, 0.0, "max_points_per_m2"));
+  CHECK(IsRefused(&StereoOptions::disparity_sd_px, 0.0, "disparity_sd_px"));
 }
 
 }  // namespace

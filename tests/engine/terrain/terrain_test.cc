@@ -9,6 +9,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/refusal.h"
+
 namespace freelsd {
 namespace {
 
@@ -295,25 +297,15 @@ TEST_CASE("terrain: upper is nowhere below elevation, and more pairs make it mor
 }
 
 TEST_CASE("terrain: Check names field, value and constraint") {
-  const auto message_of = [](const auto& change) {
-    TerrainOptions options;
-    change(options);
-    try {
-      options.Check();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message_of([](TerrainOptions&) {}).empty());
-  CHECK(message_of([](TerrainOptions& o) { o.cell_size_m = 0; }) ==
-        "terrain.cell_size_m = 0: must be in [0.05, 100]");
-  CHECK_FALSE(message_of([](TerrainOptions& o) { o.interpolation_radius_m = -1; }).empty());
-  CHECK_FALSE(message_of([](TerrainOptions& o) { o.min_num_points = 0; }).empty());
-  CHECK_FALSE(message_of([](TerrainOptions& o) { o.outlier_sigma = std::nan(""); }).empty());
-  CHECK_FALSE(message_of([](TerrainOptions& o) { o.upper_percentile = 101; }).empty());
-  CHECK_FALSE(message_of([](TerrainOptions& o) { o.max_relief_m = 0; }).empty());
-  CHECK_FALSE(message_of([](TerrainOptions& o) { o.max_num_cells = 0; }).empty());
+  using O = TerrainOptions;
+  CHECK_NOTHROW(O().Check());
+  CHECK(RefusalOf(&O::cell_size_m, 0.0) == "terrain.cell_size_m = 0: must be in [0.05, 100]");
+  CHECK(IsRefused(&O::interpolation_radius_m, -1.0, "interpolation_radius_m"));
+  CHECK(IsRefused(&O::min_num_points, 0, "min_num_points"));
+  CHECK(IsRefused(&O::outlier_sigma, std::nan(""), "outlier_sigma"));
+  CHECK(IsRefused(&O::upper_percentile, 101.0, "upper_percentile"));
+  CHECK(IsRefused(&O::max_relief_m, 0.0, "max_relief_m"));
+  CHECK(IsRefused(&O::max_num_cells, 0, "max_num_cells"));
 }
 
 }  // namespace

@@ -20,11 +20,7 @@ struct NoisyViews {
   std::vector<std::vector<Eigen::Vector2d>> truth;
 
   NoisyViews() {
-    rig.camera.width_px = 1200;
-    rig.camera.height_px = 900;
-    rig.camera.fx_px = rig.camera.fy_px = 600.0;
-    rig.camera.cx_px = 599.5;
-    rig.camera.cy_px = 449.5;
+    rig.camera = CenteredCamera(1200, 900, 600.0);
     const TexturedPlane plane(250.0);
     std::mt19937 random(3);
     std::normal_distribution<double> noise(0.0, kNoisePx);

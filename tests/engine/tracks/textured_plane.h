@@ -7,16 +7,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/tracks/tracks.h"
+#include "tests/engine/camera.h"
 
 namespace freelsd {
 
 inline Rig VideoRig() {
   Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
+  rig.camera = CenteredCamera(752, 480, 465.0);
   return rig;
 }
 

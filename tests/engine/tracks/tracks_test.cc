@@ -17,11 +17,7 @@ constexpr double kHeightM = 100.0;
 
 Rig SurveyRig() {
   Rig rig;
-  rig.camera.width_px = 400;
-  rig.camera.height_px = 300;
-  rig.camera.fx_px = rig.camera.fy_px = 280.0;
-  rig.camera.cx_px = 199.5;
-  rig.camera.cy_px = 149.5;
+  rig.camera = CenteredCamera(400, 300, 280.0);
   return rig;
 }
 

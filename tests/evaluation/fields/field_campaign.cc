@@ -10,7 +10,6 @@
 #include "api/flight_parts.h"
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/engine_run.h"
-#include "tests/evaluation/fields/field_pictures.h"
 #include "tests/evaluation/fields/field_records.h"
 
 namespace freelsd {
@@ -79,11 +78,6 @@ class Campaign {
                                                options_.blindings,
                                                ParseOptions(options_.engine_options, "")},
                                               classifier_);
-      if (!options_.pictures.empty()) {
-        DrawSurvey((std::filesystem::path(options_.pictures) / (name + "-" + profile)).string(),
-                   survey,
-                   frames->frames);
-      }
       Keep(RecordOf(survey));
     }
   }
@@ -130,22 +124,6 @@ Json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& cla
   options.Check();
   cv::setNumThreads(1);
   return Campaign(options, classifier).Run();
-}
-
-Json MergeFieldReports(const std::vector<Json>& reports) {
-  const Json settings = SharedSettings(reports);
-  Json records = Json::array();
-  std::set<SurveyKey> keys;
-  for (const Json& report : reports) {
-    for (const Json& record : report.at("surveys")) {
-      if (!keys.insert(KeyOf(record)).second) {
-        throw std::runtime_error(KeyOf(record).first + " with " + KeyOf(record).second +
-                                 " is in two reports");
-      }
-      records.push_back(record);
-    }
-  }
-  return ReportOf(settings, std::move(records));
 }
 
 }  // namespace freelsd

@@ -1,5 +1,4 @@
-// Many surveys of fields: several flights at once, to be interrupted and gone on with, in parts
-// that are put together.
+// Many surveys of fields: several flights at once, to be interrupted and gone on with.
 #pragma once
 
 #include <string>
@@ -27,8 +26,6 @@ struct FieldCampaignOptions {
   std::string json;
   // Go on from that report: its flights and aircraft are not run again.
   bool resumes = false;
-  // Folder for pictures; "" for none.
-  std::string pictures;
 
   // Throws std::invalid_argument.
   void Check() const;
@@ -39,8 +36,5 @@ struct FieldCampaignOptions {
 // {"settings": ..., "surveys": [...]}, by flight and aircraft. Throws std::runtime_error when
 // nothing can be read, or when the report to go on from has other settings.
 nlohmann::json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier);
-
-// Throws std::runtime_error where settings differ or a survey is in two of them.
-nlohmann::json MergeFieldReports(const std::vector<nlohmann::json>& reports);
 
 }  // namespace freelsd

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "tests/evaluation/statistics.h"
-
 namespace freelsd {
 namespace {
 
@@ -64,139 +62,6 @@ Json InstrumentJson(const FieldSurvey& survey) {
           {"tolerance_m", Centimetres(survey.ground.tolerance_m)}};
 }
 
-// Sums over records.
-struct Totals {
-  int fields = 0, found = 0, winds_that_fit = 0, winds_found = 0;
-  int accepted = 0, right = 0, false_safe = 0, thin = 0, not_judged = 0, in_doubt = 0;
-  std::map<std::string, int> causes, fates;
-
-  void Add(const Json& record);
-};
-
-void Totals::Add(const Json& record) {
-  for (const Json& field : record.at("fields")) {
-    if (field.at("winds_that_fit").empty()) continue;
-    ++fields;
-    found += !field.at("winds_found").empty();
-    winds_that_fit += static_cast<int>(field.at("winds_that_fit").size());
-    winds_found += static_cast<int>(field.at("winds_found").size());
-    if (field.at("fate") != "found") ++fates[field.at("fate").get<std::string>()];
-  }
-  const Json& counts = record.at("counts");
-  accepted += counts.at("accepted").get<int>();
-  right += counts.at("right").get<int>();
-  false_safe += counts.at("false_safe").get<int>();
-  thin += counts.at("thin").get<int>();
-  not_judged += counts.at("not_judged").get<int>();
-  in_doubt += counts.at("in_doubt").get<int>();
-  for (const Json& site : record.at("sites")) {
-    for (const auto& [cause, num_plans] : site.at("causes").items()) ++causes[cause];
-  }
-}
-
-std::string Percent(double ratio) {
-  char text[16];
-  std::snprintf(text, sizeof(text), "%.0f %%", 100.0 * ratio);
-  return text;
-}
-
-std::string ListOf(const std::map<std::string, int>& counts) {
-  std::string text;
-  for (const auto& [name, count] : counts) {
-    text += (text.empty() ? "" : ", ") + name + " " + std::to_string(count);
-  }
-  return text;
-}
-
-std::string RowOf(const std::string& flight, const std::string& aircraft, const Totals& totals) {
-  const int num_judged = totals.right + totals.false_safe;
-  const std::string share =
-      totals.winds_that_fit == 0 ? "" : Percent(double(totals.winds_found) / totals.winds_that_fit);
-  const std::string bound =
-      num_judged == 0 ? "" : Percent(UpperBound95(totals.false_safe, num_judged));
-  std::string row = "| " + flight + " | " + aircraft + " |";
-  for (const std::string& cell :
-       {std::to_string(totals.fields),
-        std::to_string(totals.found),
-        share,
-        std::to_string(totals.accepted),
-        std::to_string(totals.right),
-        std::to_string(totals.false_safe),
-        bound,
-        std::to_string(totals.thin),
-        std::to_string(totals.not_judged) + " (" + std::to_string(totals.in_doubt) + ")",
-        ListOf(totals.causes),
-        ListOf(totals.fates)}) {
-    row += " " + cell + " |";
-  }
-  return row + "\n";
-}
-
-std::string MainTable(const Json& records) {
-  std::string text =
-      "| flight | aircraft | fields | found in any wind | found over winds | sites accepted | "
-      "right "
-      "| false safe | at most (95 %) | of these only thin | not judged (in doubt) | causes | fates "
-      "|\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  Totals all;
-  for (const Json& record : records) {
-    Totals totals;
-    totals.Add(record);
-    all.Add(record);
-    text += RowOf(record.at("flight"), record.at("aircraft"), totals);
-  }
-  return text + RowOf("all", "", all);
-}
-
-std::string InstrumentTable(const Json& records) {
-  std::string text =
-      "| flight | aircraft | outlines | without a view | objects | pairs of views | differ by m, "
-      "median | largest | tall ones, median | at share of height | overlap | position sd m | "
-      "tolerance m |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Json& record : records) {
-    text += "| " + record.at("flight").get<std::string>() + " | " +
-            record.at("aircraft").get<std::string>() + " |";
-    for (const char* key : {"outlines",
-                            "outlines_without_view",
-                            "objects",
-                            "pairs_of_views",
-                            "views_differ_median_m",
-                            "views_differ_largest_m",
-                            "tall_views_differ_median_m",
-                            "tall_share",
-                            "views_overlap_ratio",
-                            "position_sd_m",
-                            "tolerance_m"}) {
-      text += " " + record.at("instrument").at(key).dump() + " |";
-    }
-    text += "\n";
-  }
-  return text;
-}
-
-// Empty if nothing was blinded.
-std::string BlindingTable(const Json& records) {
-  std::string text =
-      "| flight | aircraft | regions | accepted | right | false safe | not judged | causes |\n"
-      "|---|---|---|---|---|---|---|---|\n";
-  bool is_any = false;
-  for (const Json& record : records) {
-    for (const auto& [name, entry] : record.at("on_labels").items()) {
-      is_any = true;
-      const Json& counts = entry.at("counts");
-      text += "| " + record.at("flight").get<std::string>() + " | " +
-              record.at("aircraft").get<std::string>() + " | labels, blinded: " + name + " |";
-      for (const char* key : {"accepted", "right", "false_safe", "not_judged"}) {
-        text += " " + counts.at(key).dump() + " |";
-      }
-      text += " " + ListOf(entry.at("causes").get<std::map<std::string, int>>()) + " |\n";
-    }
-  }
-  return is_any ? text : "";
-}
-
 }  // namespace
 
 Json RecordOf(const FieldSurvey& survey) {
@@ -219,12 +84,6 @@ Json RecordOf(const FieldSurvey& survey) {
     for (const DistinctSite& site : sites) entry["sites"].push_back(SiteJson(site));
   }
   return record;
-}
-
-std::string FieldTables(const Json& records) {
-  const std::string blinding = BlindingTable(records);
-  return MainTable(records) + "\n" + InstrumentTable(records) +
-         (blinding.empty() ? "" : "\n" + blinding);
 }
 
 }  // namespace freelsd

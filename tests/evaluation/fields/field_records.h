@@ -1,8 +1,5 @@
-// Input: surveys of flights. Output: records in JSON, and their tables in Markdown.
+// Input: surveys of flights. Output: records in JSON.
 #pragma once
-
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -11,8 +8,5 @@
 namespace freelsd {
 
 nlohmann::json RecordOf(const FieldSurvey& survey);
-
-// Of records, in their order.
-std::string FieldTables(const nlohmann::json& records);
 
 }  // namespace freelsd

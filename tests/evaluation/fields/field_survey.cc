@@ -140,7 +140,7 @@ std::string CommonHazard(const FieldSurvey& survey,
 }
 
 void FillFate(const FieldSurvey& survey, const PipelineOptions& options, FieldResult* result) {
-  if (result->IsFound()) {
+  if (!result->winds_found.empty()) {
     result->fate = "found";
     return;
   }

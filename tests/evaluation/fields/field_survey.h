@@ -26,9 +26,6 @@ struct FieldResult {
   std::string fate;
   // The rule's own words.
   std::string detail;
-
-  bool IsField() const { return !winds_that_fit.empty(); }
-  bool IsFound() const { return !winds_found.empty(); }
 };
 
 // Counts of distinct sites.

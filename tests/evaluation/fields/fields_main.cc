@@ -1,5 +1,5 @@
 // freelsd-fields: the sites that the engine accepts on recorded flights, scored against outlines
-// drawn by eye on the photographs; tables in Markdown.
+// drawn by eye on the photographs.
 #include <exception>
 #include <iostream>
 
@@ -7,7 +7,6 @@
 
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/fields/field_campaign.h"
-#include "tests/evaluation/fields/field_records.h"
 
 namespace freelsd {
 namespace {
@@ -15,30 +14,21 @@ namespace {
 struct Arguments {
   FieldCampaignOptions campaign;
   std::vector<std::string> blind;
-  std::vector<std::string> merge;
   // "": the one that belongs to the options.
   std::string model;
 };
 
-nlohmann::json ReportOf(const Arguments& arguments) {
-  if (arguments.merge.empty()) {
-    FieldCampaignOptions options = arguments.campaign;
-    for (const std::string& name : arguments.blind) {
-      options.blindings.push_back(BlindingNamed(name).value());
-    }
-    const std::string model = arguments.model.empty() ? options.ModelFile() : arguments.model;
-    return RunFieldCampaign(options, Classifier::Parse(ReadTextFile(model)));
+void Run(const Arguments& arguments) {
+  FieldCampaignOptions options = arguments.campaign;
+  for (const std::string& name : arguments.blind) {
+    options.blindings.push_back(BlindingNamed(name).value());
   }
-  std::vector<nlohmann::json> parts;
-  parts.reserve(arguments.merge.size());
-  for (const std::string& path : arguments.merge) {
-    parts.push_back(nlohmann::json::parse(ReadTextFile(path)));
+  const std::string model = arguments.model.empty() ? options.ModelFile() : arguments.model;
+  const auto report = RunFieldCampaign(options, Classifier::Parse(ReadTextFile(model)));
+  for (const nlohmann::json& survey : report.at("surveys")) {
+    std::cout << survey.at("flight") << ", " << survey.at("aircraft") << ": "
+              << survey.at("counts").dump() << "\n";
   }
-  nlohmann::json report = MergeFieldReports(parts);
-  if (!arguments.campaign.json.empty()) {
-    WriteTextFile(arguments.campaign.json, report.dump(1) + "\n");
-  }
-  return report;
 }
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -59,14 +49,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--json", campaign.json, "report to write, after every flight and aircraft");
   app.add_flag(
       "--resume", campaign.resumes, "go on from the report: what is in it is not run again");
-  app.add_option("--merge", arguments.merge, "reports to put together; nothing is run");
   app.add_option_function<std::string>(
       "--options",
       [&campaign](const std::string& path) {
         campaign.engine_options = nlohmann::json::parse(ReadTextFile(path));
       },
       "JSON file with options of the engine: {preset: name, stage: {field: value}}");
-  app.add_option("--pictures", campaign.pictures, "folder for photographs with outlines and sites");
   app.add_option("--model", arguments.model, "grass classifier, instead of the options' own")
       ->check(CLI::ExistingFile);
 }
@@ -80,7 +68,7 @@ int main(int argc, char** argv) {
     CLI::App app("Scores the sites accepted on recorded flights against outlines drawn by eye.");
     freelsd::AddOptions(app, arguments);
     CLI11_PARSE(app, argc, argv);
-    std::cout << freelsd::FieldTables(freelsd::ReportOf(arguments).at("surveys"));
+    freelsd::Run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "freelsd-fields: " << error.what() << "\n";
     return 1;

@@ -49,17 +49,6 @@ std::optional<Eigen::Vector3d> GroundProjection::GroundAt(size_t view,
   return point;
 }
 
-std::optional<Eigen::Vector2d> GroundProjection::PixelOf(size_t view,
-                                                         const Eigen::Vector2d& place_in_world,
-                                                         double raise) const {
-  const Eigen::Vector3d point(
-      place_in_world.x(), place_in_world.y(), heights_.At(place_in_world) + raise);
-  const Camera camera = block_.CameraOf(view);
-  auto pixel = camera.ImageFromCamera(Inverse(block_.views[view].world_from_camera) * point);
-  if (!pixel || !camera.IsInside(*pixel)) return std::nullopt;
-  return pixel;
-}
-
 std::optional<Polygon> GroundProjection::OnGround(const Outline& outline, double raise) const {
   const std::optional<size_t> view = ViewOf(outline.photograph);
   if (!view) return std::nullopt;

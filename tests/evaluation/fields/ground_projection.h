@@ -1,5 +1,5 @@
 // Input: the adjusted views of a run and heights of the ground. Output: where the pixels of its
-// photographs lie on the ground, and where places appear in the photographs.
+// photographs lie on the ground.
 #pragma once
 
 #include <map>
@@ -26,10 +26,6 @@ class GroundProjection {
   std::optional<Eigen::Vector3d> GroundAt(size_t view,
                                           const Eigen::Vector2d& point_in_image,
                                           double raise = 0.0) const;
-  // The pixel that shows the point `raise` metres above a place; nothing outside the image.
-  std::optional<Eigen::Vector2d> PixelOf(size_t view,
-                                         const Eigen::Vector2d& place_in_world,
-                                         double raise = 0.0) const;
   // Of all corners, and of points between them: a straight edge in an image is not straight on
   // uneven ground. Nothing if the photograph has no connected view or a corner misses the ground.
   std::optional<Polygon> OnGround(const Outline& outline, double raise = 0.0) const;

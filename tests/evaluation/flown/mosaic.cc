@@ -4,8 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "tests/evaluation/synthetic_flight.h"
-
 namespace freelsd {
 
 void Mosaic::Add(World world) {
@@ -31,20 +29,23 @@ MosaicPlace Mosaic::PlaceOf(const GeoPoint& place) const {
   return nearest;
 }
 
+Scenario MakeMosaicPart(uint64_t first_seed, int side, int i, const ScenarioOptions& options) {
+  ScenarioOptions part = options;
+  const int row = i / side;
+  part.east_m = (i % side - 0.5 * (side - 1)) * part.world_size_m;
+  part.north_m = (row - 0.5 * (side - 1)) * part.world_size_m;
+  std::cerr << "world " << i + 1 << " of " << side * side << std::endl;
+  return MakeScenario(first_seed + static_cast<uint64_t>(i), part, [](double) {});
+}
+
 Mosaic MakeMosaic(uint64_t first_seed, int side) {
   Mosaic mosaic;
   ScenarioOptions options;
   options.takes_photographs = false;
   options.aircraft = "small";
   for (int i = 0; i < side * side; ++i) {
-    options.east_m = (i % side - 0.5 * (side - 1)) * options.world_size_m;
-    const int row = i / side;
-    options.north_m = (row - 0.5 * (side - 1)) * options.world_size_m;
-    const uint64_t seed = first_seed + static_cast<uint64_t>(i);
-    mosaic.Add(MakeScenario(seed, options, [](double) {}).world);
-    std::cerr << "\rworld " << i + 1 << std::flush;
+    mosaic.Add(MakeMosaicPart(first_seed, side, i, options).world);
   }
-  std::cerr << "\n";
   return mosaic;
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "tests/synthetic/world.h"
+#include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
 
@@ -33,8 +33,10 @@ class Mosaic {
   std::deque<LocalFrame> frames_;
 };
 
-// side x side worlds of 500 m as insurance.sh surveys them, seed by seed from the south-west,
-// row by row. Tells its progress on the standard error.
+// World `i` of side x side worlds of 500 m, counted from the south-west, row by row, and the flight
+// over it. Tells its number on the standard error.
+Scenario MakeMosaicPart(uint64_t first_seed, int side, int i, const ScenarioOptions& options);
+// All of them, without photographs.
 Mosaic MakeMosaic(uint64_t first_seed, int side);
 
 }  // namespace freelsd

@@ -1,5 +1,5 @@
-// freelsd-judge-tracks: what the tracks of flights over a mosaic of seeded worlds met; and the true
-// surface of the mosaic, for the simulator that flies them.
+// freelsd-judge-tracks: surveys a mosaic of seeded worlds, writes its true surface for the
+// simulator that flies over it, and tells what the tracks of those flights met.
 //
 // The file of tracks: {"tracks": [{"id", "touchdown": {latitude_deg, longitude_deg},
 // "touchdown_uncertainty_m", "heading_deg",
@@ -14,6 +14,7 @@
 
 #include "tests/evaluation/flown/flown_track.h"
 #include "tests/evaluation/flown/height_grid.h"
+#include "tests/evaluation/flown/stored_flight.h"
 
 namespace freelsd {
 namespace {
@@ -22,6 +23,7 @@ struct Arguments {
   int side = 6;
   uint64_t seed = 57000;
   std::string aircraft = "small";
+  std::string survey;
   std::string heights;
   double cell_size_m = 1.0;
   std::string tracks;
@@ -65,6 +67,14 @@ nlohmann::json ReadTracks(const std::string& path) {
 }
 
 void Run(const Arguments& arguments) {
+  if (!arguments.survey.empty()) {
+    for (int i = 0; i < arguments.side * arguments.side; ++i) {
+      ScenarioOptions options;
+      options.aircraft = arguments.aircraft;
+      StoreOverHttp(arguments.survey, MakeMosaicPart(arguments.seed, arguments.side, i, options));
+    }
+    return;
+  }
   const std::optional<Aircraft> aircraft = AircraftProfile(arguments.aircraft);
   if (!aircraft) throw std::invalid_argument("no such aircraft: " + arguments.aircraft);
   const nlohmann::json tracks =
@@ -93,7 +103,8 @@ int main(int argc, char** argv) {
     CLI::App app("Judges tracks that were flown over a mosaic of seeded worlds");
     app.add_option("--side", arguments.side, "worlds along one side")->check(CLI::Range(1, 10));
     app.add_option("--seed", arguments.seed, "seed of the mosaic's first world");
-    app.add_option("--aircraft", arguments.aircraft, "profile that the sites were told for");
+    app.add_option("--aircraft", arguments.aircraft, "profile that the sites are for; of a survey also both, by seed");
+    app.add_option("--survey", arguments.survey, "only send a flight over each world to this URL");
     app.add_option("--heights", arguments.heights, "write the true surface to this path");
     app.add_option("--cell", arguments.cell_size_m, "cell size of that surface, m")
         ->check(CLI::Range(0.2, 10.0));

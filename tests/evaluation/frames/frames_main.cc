@@ -11,7 +11,6 @@
 
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/frames/comparison.h"
-#include "tests/evaluation/frames/crop_pictures.h"
 #include "tests/evaluation/frames/recorded_pictures.h"
 #include "tests/evaluation/frames/rendered_pictures.h"
 
@@ -37,7 +36,6 @@ struct Arguments {
   int num_jobs = 1;
   TileOptions tiles;
   std::string json;
-  std::string pictures;
   std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
 };
 
@@ -115,10 +113,6 @@ void Run(const Arguments& arguments) {
   if (!arguments.conditions.empty()) report["conditions"] = arguments.conditions;
   std::cout << ComparisonAsMarkdown(report);
   if (!arguments.json.empty()) WriteTextFile(arguments.json, report.dump(1) + "\n");
-  if (arguments.pictures.empty()) return;
-  std::vector<std::string> looks{kRecorded};
-  for (const WorldLook& look : LooksFor(arguments, pool)) looks.push_back(look.name);
-  DrawCrops(arguments.pictures, pictures, looks);
 }
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -145,7 +139,6 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--jobs", arguments.num_jobs, "threads; no result depends on it")
       ->check(CLI::Range(1, 64));
   app.add_option("--json", arguments.json, "the same numbers");
-  app.add_option("--pictures", arguments.pictures, "folder for crops, and for all frames");
   app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
 }
 

@@ -32,36 +32,25 @@ struct PolygonAnswer {
   // Mean probability of grass over the pixels that lie in a region. Unknown if more than half of
   // the pixels lie in no region.
   std::optional<double> probability;
-  // Probability of grass if the polygon itself is the region. Unknown if it is too small.
-  std::optional<double> probability_as_one_region;
 };
 
 struct PhotographAnswers {
   std::string place;
   std::string photograph;
-  std::string variation;
   double ground_sampling_m = 0.0;
   // True if the photograph is too coarse for the detail that the classifier expects.
   bool is_coarse = false;
   std::vector<PolygonAnswer> polygons;
 };
 
-// Pixels of the photograph per pixel of the engine's working image.
-double PxPerWorkingPx(double ground_sampling_m);
-
-// The regions that the engine finds in the photograph. The camera looks straight down.
-Segments SegmentsOf(const PlacePhotograph& photograph);
-
 // The answers for the polygons, in the order of the labels. Throws std::runtime_error that names
 // the polygon if a polygon lies outside the photograph.
 std::vector<PolygonAnswer> AnswersOf(const PlacePhotograph& photograph,
-                                     const Segments& segments,
                                      const Classifier& classifier);
 
 // Swaps grass and not grass in every answer. A report of swapped answers must look bad.
 void SwapKinds(PhotographAnswers& answers);
 
 nlohmann::json ToJson(const PhotographAnswers& answers);
-PhotographAnswers PhotographAnswersFromJson(const nlohmann::json& json);
 
 }  // namespace freelsd

@@ -81,17 +81,6 @@ void ForEachLine(const std::string& path, const std::function<void(const std::st
 
 }  // namespace
 
-const std::array<PlaceClass, kNumPlaceClasses> kPlaceClasses{PlaceClass::kGrass,
-                                                             PlaceClass::kRoughGrass,
-                                                             PlaceClass::kCrop,
-                                                             PlaceClass::kStubble,
-                                                             PlaceClass::kSoil,
-                                                             PlaceClass::kScrub,
-                                                             PlaceClass::kTree,
-                                                             PlaceClass::kWater,
-                                                             PlaceClass::kPaved,
-                                                             PlaceClass::kBuilt};
-
 const std::array<std::string, 4> kPhotographExtensions{".jpg", ".JPG", ".png", ".tif"};
 
 std::string NameOf(PlaceClass surface) { return kNames.at(static_cast<size_t>(surface)); }

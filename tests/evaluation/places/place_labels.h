@@ -28,7 +28,6 @@ enum class PlaceClass {
   kBuilt,
 };
 constexpr size_t kNumPlaceClasses = 10;
-extern const std::array<PlaceClass, kNumPlaceClasses> kPlaceClasses;
 
 extern const std::array<std::string, 4> kPhotographExtensions;
 

@@ -9,14 +9,12 @@
 #include <opencv2/imgproc.hpp>
 #include <unistd.h>
 
-#include "tests/evaluation/campaign.h"
 #include "tests/evaluation/places/place_answers.h"
 #include "tests/evaluation/places/place_cameras.h"
 #include "tests/evaluation/places/place_labels.h"
 #include "tests/evaluation/places/place_report.h"
 #include "tests/evaluation/places/place_run.h"
 #include "tests/evaluation/places/place_scores.h"
-#include "tests/evaluation/places/place_variation.h"
 
 namespace freelsd {
 namespace {
@@ -125,17 +123,12 @@ TEST_CASE("places: figures of a set made by hand have their closed-form values")
   CHECK(*CalibrationErrorOf(polygons) ==
         doctest::Approx((0.05 + 0.7 + 0.65 + 0.05) / 6.0).epsilon(kTolerance));
   CHECK(*ErrorOf(polygons, 0.7) == doctest::Approx(2.0 / 6.0).epsilon(kTolerance));
-  CHECK(*PrecisionOf(polygons, 0.7) == doctest::Approx(3.0 / 4.0).epsilon(kTolerance));
-  CHECK(*RecallOf(polygons, 0.7) == doctest::Approx(3.0 / 4.0).epsilon(kTolerance));
-  CHECK(ReliabilityOf(polygons).back().num_polygons == 2);
 }
 
 TEST_CASE("places: a figure without a denominator is unknown") {
   CHECK_FALSE(ErrorOf({}, 0.7));
   CHECK_FALSE(CalibrationErrorOf({}));
   CHECK_FALSE(AreaUnderCurveOf({{0.9, true}}));
-  CHECK_FALSE(RecallOf({{0.9, false}}, 0.7));
-  CHECK_FALSE(PrecisionOf({{0.1, true}}, 0.7));
 }
 
 TEST_CASE("places: a probability calibrated by construction has no calibration error") {
@@ -146,42 +139,10 @@ TEST_CASE("places: a probability calibrated by construction has no calibration e
   CHECK(*CalibrationErrorOf(polygons) < 1e-9);
 }
 
-TEST_CASE("places: the bootstrap is reproducible and covers what it must") {
-  // Two kinds of photograph: half of them wholly wrong. The error of n photographs is binomial.
-  std::vector<JudgedPolygons> photographs;
-  photographs.reserve(100);
-  for (int i = 0; i < 100; ++i) photographs.push_back(JudgedPolygons(3, {0.9, i % 2 == 0}));
-  const Statistic error = [](const JudgedPolygons& polygons) { return ErrorOf(polygons, 0.7); };
-  const auto interval = BootstrapInterval(photographs, error, 1);
-  const auto again = BootstrapInterval(photographs, error, 1);
-  REQUIRE(interval);
-  CHECK(interval->low == again->low);
-  CHECK(interval->high == again->high);
-  // 1.96 standard deviations of a binomial share: 0.098 for 100 photographs.
-  constexpr double kMaxDifference = 0.02;
-  CHECK(std::abs(interval->low - 0.402) < kMaxDifference);
-  CHECK(std::abs(interval->high - 0.598) < kMaxDifference);
-  CHECK_FALSE(BootstrapInterval({photographs.front()}, error, 1));
-}
-
-TEST_CASE("places: variations change the levels as they say") {
-  const cv::Mat3b grey(8, 8, cv::Vec3b(100, 100, 100));
-  CHECK(Varied(grey, PlaceVariation::kCast, 1.0)(4, 4) == cv::Vec3b(110, 92, 106));
-  CHECK(Varied(grey, PlaceVariation::kDark, 1.0)(4, 4) == cv::Vec3b(60, 60, 60));
-  CHECK(Varied(grey, PlaceVariation::kHaze, 1.0)(4, 4) == cv::Vec3b(120, 120, 120));
-  CHECK(Varied(grey, PlaceVariation::kNone, 1.0)(4, 4) == grey(4, 4));
-  cv::Mat3b dot(41, 41, cv::Vec3b(0, 0, 0));
-  dot(20, 20) = cv::Vec3b(255, 255, 255);
-  // Peak of a Gaussian with a deviation of two pixels: 255 / (2 pi 4) = 10.
-  CHECK(std::abs(Varied(dot, PlaceVariation::kBlur, 2.0)(20, 20)[0] - 10) <= 1);
-  CHECK_THROWS_AS(PlaceVariationNamed("fog"), std::invalid_argument);
-}
-
 TEST_CASE("places: the report is the same for one job and two") {
   const TemporaryFolder folder;
   for (const int num_photographs : {1, 3}) {
     PlaceRunOptions options = MakePlace(folder, num_photographs);
-    options.variations = PlaceVariationNames();
     const std::string one = RunPlaces(options).dump();
     options.num_jobs = 2;
     CHECK(RunPlaces(options).dump() == one);
@@ -199,9 +160,8 @@ TEST_CASE("places: polygons have the area that was drawn, and an answer") {
   for (const Json& polygon : polygons) {
     CHECK(polygon.at("no_region_ratio") < 0.1);
     CHECK(polygon.at("probability").is_number());
-    CHECK(polygon.at("probability_as_one_region").is_number());
   }
-  CHECK(report.at("variations").at("none").at("pooled").at("num_polygons") == 2);
+  CHECK(report.at("pooled").at("num_polygons") == 2);
 }
 
 TEST_CASE("places: a polygon that leaves its photograph is named") {
@@ -213,51 +173,21 @@ TEST_CASE("places: a polygon that leaves its photograph is named") {
                        std::runtime_error);
 }
 
-TEST_CASE("places: a run continues, and merge refuses a photograph twice and other settings") {
-  const TemporaryFolder folder;
-  PlaceRunOptions options = MakePlace(folder, 2);
-  const Json whole = RunPlaces(options);
-  Json first = whole, second = whole;
-  first.at("photographs").erase(1);
-  second.at("photographs").erase(0);
-  CHECK(MergePlaceReports({second, first}) == whole);
-  CHECK_THROWS_WITH_AS(MergePlaceReports({first, whole}),
-                       "the photograph here/p0, variation none, is in two reports",
-                       std::runtime_error);
-  CHECK_THROWS_AS(MergePlaceReports({}), std::runtime_error);
-
-  // The mark tells whether the photograph was judged again.
-  first.at("photographs").at(0).at("polygons").at(0)["probability"] = 0.125;
-  options.json = folder.Write("part.json", first.dump());
-  options.resumes = true;
-  const Json continued = RunPlaces(options);
-  CHECK(continued.at("photographs").at(0) == first.at("photographs").at(0));
-  CHECK(continued.at("photographs").at(1) == whole.at("photographs").at(1));
-  CHECK(Json::parse(ReadTextFile(options.json)) == continued);
-
-  options.swaps_kinds = true;
-  CHECK_THROWS_AS(RunPlaces(options), std::runtime_error);
-  second.at("settings")["blind"] = "kinds";
-  CHECK_THROWS_AS(MergePlaceReports({first, second}), std::runtime_error);
-}
-
 PhotographAnswers Answered(double grass, double built) {
   PhotographAnswers answers;
   answers.place = "here";
-  answers.variation = "none";
   answers.polygons.resize(2);
-  answers.polygons[0] = {"a", PlaceClass::kGrass, std::nullopt, 1.0, 0.0, grass, grass};
-  answers.polygons[1] = {"b", PlaceClass::kBuilt, std::nullopt, 1.0, 0.0, built, built};
+  answers.polygons[0] = {"a", PlaceClass::kGrass, std::nullopt, 1.0, 0.0, grass};
+  answers.polygons[1] = {"b", PlaceClass::kBuilt, std::nullopt, 1.0, 0.0, built};
   return answers;
 }
 
 TEST_CASE("places: swapped kinds turn a perfect report into one worse than chance") {
   PhotographAnswers answers = Answered(0.9, 0.2);
   const auto auc = [&] {
-    const Json report = MakePlaceReport({}, {answers});
-    CHECK(IsBetterThanChance(report) ==
-          (report.at("variations").at("none").at("pooled").at("by_regions").at("auc") == 1.0));
-    return report.at("variations").at("none").at("places").at("here").at("as_one_region").at("auc");
+    const Json report = MakePlaceReport({answers});
+    CHECK(IsBetterThanChance(report) == (report.at("pooled").at("auc") == 1.0));
+    return report.at("places").at("here").at("auc");
   };
   CHECK(auc() == 1.0);
   SwapKinds(answers);
@@ -268,31 +198,26 @@ TEST_CASE("places: polygons that two people see differently count for nothing") 
   PhotographAnswers answers = Answered(0.9, 0.995);
   answers.polygons[0].second_opinion = PlaceClass::kGrass;
   answers.polygons[1].second_opinion = PlaceClass::kPaved;
-  const auto report = [&] { return MakePlaceReport({}, {answers}); };
+  const auto report = [&] { return MakePlaceReport({answers}); };
   const Json agreed = report();
   CHECK(agreed.at("second_opinion").at("differ_ratio") == 0.5);
   CHECK(agreed.at("second_opinion").at("differ_on_grass_ratio") == 0.0);
-  const auto pooled = [](const Json& json) {
-    return json.at("variations").at("none").at("pooled");
-  };
-  CHECK(pooled(agreed).at("by_regions").at("error") == 0.5);
-  CHECK(pooled(agreed).at("by_regions").at("num_sure_false_grass") == 1);
+  CHECK(agreed.at("pooled").at("error") == 0.5);
+  CHECK(agreed.at("pooled").at("num_sure_false_grass") == 1);
   answers.polygons[1].second_opinion = PlaceClass::kGrass;
   const Json disputed = report();
   CHECK(disputed.at("second_opinion").at("differ_on_grass_ratio") == 0.5);
-  CHECK(pooled(disputed).at("num_disputed") == 1);
-  CHECK(pooled(disputed).at("by_regions").at("error") == 0.0);
-  CHECK(pooled(disputed).at("by_regions").at("num_sure_false_grass") == 0);
+  CHECK(disputed.at("pooled").at("num_disputed") == 1);
+  CHECK(disputed.at("pooled").at("error") == 0.0);
+  CHECK(disputed.at("pooled").at("num_sure_false_grass") == 0);
 }
 
 TEST_CASE("places: photographs of another scale stay out of the pooled row") {
   PhotographAnswers low = Answered(0.9, 0.2);
   low.place = "semantic_drone";
-  const Json report = MakePlaceReport({}, {low});
-  const Json& rows = report.at("variations").at("none");
-  CHECK(rows.at("pooled").at("num_polygons") == 0);
-  CHECK(rows.at("other_scale").at("num_polygons") == 2);
-  CHECK(PlaceReportAsMarkdown(report).find("| semantic_drone | 1 | 2 |") != std::string::npos);
+  const Json report = MakePlaceReport({low});
+  CHECK(report.at("pooled").at("num_polygons") == 0);
+  CHECK(report.at("other_scale").at("num_polygons") == 2);
 }
 
 }  // namespace

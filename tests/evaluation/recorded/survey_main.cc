@@ -12,7 +12,6 @@
 
 #include "server/training/pools.h"
 #include "tests/evaluation/recorded/control_points.h"
-#include "tests/evaluation/recorded/mosaic_pictures.h"
 
 namespace freelsd {
 namespace {
@@ -76,49 +75,9 @@ void PrintControl(const std::string& name, const ControlErrors& errors) {
       errors.map_largest_m);
 }
 
-void PrintMosaic(const std::string& name, const MosaicFigures& figures) {
-  std::printf(
-      "| %s | %.3f | %.4f | %d | %.1f | %.0f | %.1f | %.1f | %.1f | %.2f | %d | %.2f | %.2f |\n",
-      name.c_str(),
-      figures.shown_km2,
-      figures.pixel_size_m,
-      figures.num_tiles,
-      figures.seconds,
-      figures.peak_mb,
-      figures.step_photographed,
-      figures.step_with_gains,
-      figures.step_blended,
-      figures.sharpness_ratio,
-      figures.num_targets,
-      figures.target_rms_px,
-      figures.target_largest_px);
-  std::fflush(stdout);
-}
-
 std::vector<Sighting> SightingsIn(const fs::path& folder) {
   const fs::path sightings = folder / "ImageTargets_2000x1500.csv";
   return fs::exists(sightings) ? ReadSightings(sightings.string()) : std::vector<Sighting>();
-}
-
-void RunMosaics(const std::vector<std::string>& folders,
-                const std::string& model,
-                const std::string& output) {
-  const Classifier classifier = ReadClassifier(model);
-  const PipelineOptions options;
-  std::puts(
-      "| flight | km2 | pixel m | tiles | seconds | peak MB | step of photographs | with gains | "
-      "blended | sharpness | targets | off by px, RMS | largest |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-  for (const std::string& folder : folders) {
-    const std::string name = fs::path(folder).filename().string();
-    const RecordedFlight flight = AdjustRecordedFlight(folder, classifier, options);
-    PrintMosaic(name,
-                WriteMosaic(flight,
-                            (fs::path(folder) / "images").string(),
-                            MapOfBlock(flight, options),
-                            SightingsIn(folder),
-                            (fs::path(output) / name).string()));
-  }
 }
 
 void Run(const std::vector<std::string>& folders, const std::string& model) {
@@ -182,18 +141,14 @@ int main(int argc, char** argv) {
         ->required()
         ->check(CLI::ExistingDirectory);
     app.add_option("--model", model, "the classifier")->check(CLI::ExistingFile);
-    std::string mosaic;
-    app.add_option("--mosaic", mosaic, "makes mosaics instead, in folders of this folder");
     bool is_timed = false;
     app.add_flag("--stages", is_timed, "prints instead what each stage of the engine costs");
     CLI11_PARSE(app, argc, argv);
     freelsd::CheckPools(folders);
     if (is_timed) {
       freelsd::RunStages(folders, model);
-    } else if (mosaic.empty()) {
-      freelsd::Run(folders, model);
     } else {
-      freelsd::RunMosaics(folders, model, mosaic);
+      freelsd::Run(folders, model);
     }
   } catch (const std::exception& error) {
     std::cerr << "freelsd-survey: " << error.what() << "\n";

@@ -47,17 +47,6 @@ Json ReadReportToContinue(const std::string& path, const Json& settings) {
   return report;
 }
 
-Json SharedSettings(const std::vector<Json>& reports) {
-  if (reports.empty()) throw std::runtime_error("no report to merge");
-  Json settings = reports.front().at("settings");
-  for (const Json& report : reports) {
-    if (report.at("settings") == settings) continue;
-    throw std::runtime_error("reports of different settings: " + report.at("settings").dump() +
-                             " and " + settings.dump());
-  }
-  return settings;
-}
-
 std::string ReadTextFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error("cannot read " + path);

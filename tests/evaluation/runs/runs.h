@@ -1,11 +1,10 @@
 // What the programs that judge have in common: many pieces of work at once, and reports that are
-// continued and merged.
+// continued.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -19,10 +18,6 @@ void DoAll(size_t num_pieces, int num_jobs, const std::function<void(size_t)>& w
 // The report at a path, to be continued; an empty object if there is no file. Throws
 // std::runtime_error if it was made with other settings.
 nlohmann::json ReadReportToContinue(const std::string& path, const nlohmann::json& settings);
-
-// The settings that all reports share. Throws std::runtime_error if there is no report, or if two
-// differ.
-nlohmann::json SharedSettings(const std::vector<nlohmann::json>& reports);
 
 std::string ReadTextFile(const std::string& path);
 // Whole or not at all: a run that is interrupted must not spoil what it would go on from.

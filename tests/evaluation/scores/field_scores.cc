@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/plan_json.h"
 #include "tests/evaluation/scores/corridor.h"
 #include "tests/evaluation/site_score.h"
 #include "tests/evaluation/truth_run.h"
-#include "tests/evaluation/world_record.h"
 
 namespace freelsd {
 namespace {
@@ -99,7 +99,7 @@ FieldScore ScoreOnTruth(const Scenario& scenario,
   FieldScore score;
   score.touchdown = field.touchdown;
   if (plan.verdict == Verdict::kRejected) {
-    score.reason_on_truth = ReasonName(plan.reject_reason.value());
+    score.reason_on_truth = NameOf(plan.reject_reason.value());
     score.photographed_ratio =
         PhotographedRatio(scenario, truth, IntoWind(scenario, field.touchdown));
     return score;

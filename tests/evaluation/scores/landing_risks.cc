@@ -11,7 +11,6 @@
 
 #include "engine/risk/risk.h"
 #include "tests/evaluation/scores/flown_site.h"
-#include "tests/evaluation/scores/obstruction.h"
 #include "tests/evaluation/statistics.h"
 #include "tests/synthetic/noise.h"
 
@@ -22,20 +21,18 @@ using Json = nlohmann::json;
 
 // Bins of the expected risk, two a decade; the first holds everything below.
 constexpr std::array<double, 7> kRiskEdges{0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.1};
-constexpr std::array<double, 10> kShapeEdges{0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.5, 1e9};
 constexpr int kNumDrawn = 6000;
 constexpr int kMostInBin = 40;
 
-template <size_t N>
-size_t BinOf(double value, const std::array<double, N>& edges) {
+size_t BinOf(double risk) {
   return static_cast<size_t>(
-      std::find_if(edges.begin(), edges.end(), [&](double edge) { return value < edge; }) -
-      edges.begin());
+      std::find_if(kRiskEdges.begin(), kRiskEdges.end(), [&](double edge) { return risk < edge; }) -
+      kRiskEdges.begin());
 }
 
 std::string NameOfBin(double edge) {
   std::ostringstream name;
-  name << "below " << std::fixed << std::setprecision(3) << std::min(edge, 9.0);
+  name << "below " << std::fixed << std::setprecision(3) << edge;
   return name.str();
 }
 
@@ -95,68 +92,6 @@ bool IsSeen(const Approach& approach, const Aircraft& aircraft, const EngineRun&
   return true;
 }
 
-// The risk without what an exactly known position or wind would take off, or without a part.
-Json WithoutParts(const LandingRisk& risk) {
-  const FailureParts& parts = risk.parts;
-  const double all = risk.failure_probability;
-  return {parts.final_path, parts.ground, all - parts.position, all - parts.wind};
-}
-
-Json LandingsJson(const std::vector<DrawnLanding>& drawn) {
-  Json landings = Json::array();
-  for (const DrawnLanding& landing : drawn) {
-    landings.push_back({landing.risk.failure_probability,
-                        landing.observed,
-                        landing.observed_thin,
-                        WithoutParts(landing.risk),
-                        landing.causes});
-  }
-  return landings;
-}
-
-// Ground of another kind is no matter of its shape; thin things are not seen anyway.
-bool IsOtherKind(const std::string& fault) {
-  constexpr std::array<const char*, 12> kShapeFaults{"",
-                                                     "rough",
-                                                     "steep",
-                                                     "tree",
-                                                     "bare tree",
-                                                     "hedge",
-                                                     "boulder",
-                                                     "animal",
-                                                     "vehicle",
-                                                     "house",
-                                                     "bale",
-                                                     "ditch"};
-  return std::find(kShapeFaults.begin(), kShapeFaults.end(), fault) == kShapeFaults.end();
-}
-
-// The map is moved back by its shift first.
-Json ShapesJson(const EngineRun& run,
-                const Scenario& scenario,
-                const TruthMap& truth,
-                const Eigen::Vector2d& shift) {
-  const ElevationMap& map = run.evaluation.map;
-  const HazardLayers& layers = run.evaluation.hazards;
-  const Aircraft& aircraft = scenario.aircraft;
-  std::array<std::array<int64_t, 2>, kShapeEdges.size()> counts{};
-  for (int row = 0; row < map.grid.num_rows; ++row) {
-    for (int col = 0; col < map.grid.num_cols; ++col) {
-      const bool is_grass = layers.grass(row, col) >= layers.min_grass_posterior;
-      if (!is_grass || layers.hazard(row, col) == kUnseen) continue;
-      const Eigen::Vector2d place = map.grid.CellCenter(row, col) - shift;
-      if (place.cwiseAbs().maxCoeff() >= 0.5 * scenario.world.size_m) continue;
-      const cv::Point cell = truth.CellAt(place);
-      if (IsOtherKind(NameOfFault(truth, cell))) continue;
-      std::array<int64_t, 2>& bin =
-          counts[BinOf(ShapeRatio(map, layers, aircraft, {col, row}), kShapeEdges)];
-      ++bin[0];
-      bin[1] += truth.fault(cell) != 0;
-    }
-  }
-  return counts;
-}
-
 struct RiskBin {
   int64_t num = 0;
   double expected = 0.0;
@@ -167,8 +102,8 @@ using RiskBins = std::array<RiskBin, kRiskEdges.size()>;
 
 RiskBins BinsOf(const Json& record) {
   RiskBins bins;
-  for (const Json& landing : record.at("landing_risks").at("landings")) {
-    RiskBin& bin = bins[BinOf(landing.at(0).get<double>(), kRiskEdges)];
+  for (const Json& landing : record.at("landing_risks")) {
+    RiskBin& bin = bins[BinOf(landing.at(0).get<double>())];
     ++bin.num;
     bin.expected += landing.at(0).get<double>();
     bin.observed += landing.at(1).get<double>();
@@ -199,43 +134,6 @@ std::array<double, 2> Interval(const std::vector<RiskBins>& worlds, size_t bin) 
     return shares[static_cast<size_t>(share * static_cast<double>(shares.size() - 1))];
   };
   return {at(0.025), at(0.975)};
-}
-
-// By the part that is left out: the mean log loss of the rest, less that of the whole.
-Json LossesWithoutParts(const Json& records) {
-  constexpr std::array<const char*, 4> kParts{"ground", "final", "position", "wind"};
-  std::array<double, kParts.size()> sums{};
-  double num = 0.0;
-  for (const Json& record : records) {
-    if (!record.contains("landing_risks")) continue;
-    for (const Json& landing : record.at("landing_risks").at("landings")) {
-      const auto observed = landing.at(1).get<double>();
-      const double whole = LogLoss(landing.at(0).get<double>(), observed);
-      for (size_t i = 0; i < kParts.size(); ++i) {
-        sums[i] += LogLoss(landing.at(3).at(i).get<double>(), observed) - whole;
-      }
-      ++num;
-    }
-  }
-  Json losses = Json::object();
-  for (size_t i = 0; i < kParts.size(); ++i) {
-    losses[kParts[i]] = RoundedNumber(sums[i] / std::max(1.0, num));
-  }
-  return losses;
-}
-
-// What fails landings that the engine takes for safe.
-Json CausesOfSmallRisks(const Json& records) {
-  constexpr double kSmall = 0.1;
-  std::map<std::string, int> causes;
-  for (const Json& record : records) {
-    if (!record.contains("landing_risks")) continue;
-    for (const Json& landing : record.at("landing_risks").at("landings")) {
-      if (landing.at(0).get<double>() >= kSmall) continue;
-      for (const auto& [cause, num] : landing.at(4).items()) causes[cause] += num.get<int>();
-    }
-  }
-  return causes;
 }
 
 }  // namespace
@@ -278,16 +176,13 @@ std::vector<DrawnLanding> DrawLandings(const EngineRun& run,
     const std::optional<Site> site = DrawnSite(run, scenario, series);
     if (!site || !IsSeen(*site->plan.approach, aircraft, run)) continue;
     const PlannedLanding landing = LandingOf(*site->plan.approach, *site, position_sd_m);
-    if (num_in_bin[BinOf(assessor.FailureProbability(landing), kRiskEdges)]++ >= kMostInBin) {
+    if (num_in_bin[BinOf(assessor.FailureProbability(landing))]++ >= kMostInBin) {
       continue;
     }
     const FlownSite flown = FlySite(scenario.world, truth, aircraft, *site, series);
     const auto share = [&](int count) { return static_cast<double>(count) / flown.num_flown; };
-    landings.push_back({*site,
-                        assessor.Assess(landing),
-                        share(flown.num_failed),
-                        share(flown.num_failed_thin),
-                        flown.causes});
+    landings.push_back(
+        {*site, assessor.Assess(landing), share(flown.num_failed), share(flown.num_failed_thin)});
   }
   return landings;
 }
@@ -295,27 +190,19 @@ std::vector<DrawnLanding> DrawLandings(const EngineRun& run,
 Json LandingRisksJson(const EngineRun& run,
                       const Scenario& scenario,
                       const TruthMap& truth,
-                      const PipelineOptions& options,
-                      const DrawnSeries& series) {
-  const auto& [seed, shift] = series;
-  if (run.evaluation.map.elevation.empty()) {
-    return {{"landings", Json::array()}, {"shapes", Json::array()}};
+                      const ApproachOptions& options,
+                      uint64_t seed) {
+  Json landings = Json::array();
+  for (const DrawnLanding& landing : DrawLandings(run, scenario, truth, options, seed)) {
+    landings.push_back({landing.risk.failure_probability, landing.observed, landing.observed_thin});
   }
-  return {{"landings", LandingsJson(DrawLandings(run, scenario, truth, options.approach, seed))},
-          {"shapes", ShapesJson(run, scenario, truth, shift)}};
+  return landings;
 }
 
 Json LandingRiskTotals(const Json& records) {
   std::vector<RiskBins> worlds;
-  std::array<std::array<int64_t, 2>, kShapeEdges.size()> shapes{};
   for (const Json& record : records) {
-    if (!record.contains("landing_risks")) continue;
-    worlds.push_back(BinsOf(record));
-    const Json& counts = record.at("landing_risks").at("shapes");
-    for (size_t i = 0; i < counts.size(); ++i) {
-      shapes[i][0] += counts.at(i).at(0).get<int64_t>();
-      shapes[i][1] += counts.at(i).at(1).get<int64_t>();
-    }
+    if (record.contains("landing_risks")) worlds.push_back(BinsOf(record));
   }
   Json bins = Json::object();
   for (size_t i = 0; i < kRiskEdges.size(); ++i) {
@@ -336,15 +223,7 @@ Json LandingRiskTotals(const Json& records) {
                                       {"observed_high_95", RoundedNumber(interval[1])},
                                       {"observed_thin", RoundedNumber(sum.observed_thin / num)}};
   }
-  Json by_shape = Json::object();
-  for (size_t i = 0; i < kShapeEdges.size(); ++i) {
-    by_shape[NameOfBin(kShapeEdges[i])] = {
-        {"num_cells", shapes[i][0]}, {"unfit_ratio", RoundedShare(shapes[i][1], shapes[i][0])}};
-  }
-  return {{"risks", bins},
-          {"without_part", LossesWithoutParts(records)},
-          {"causes_below_0.1", CausesOfSmallRisks(records)},
-          {"shapes", by_shape}};
+  return bins;
 }
 
 }  // namespace freelsd

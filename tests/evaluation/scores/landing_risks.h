@@ -1,12 +1,9 @@
 // Input: an engine's map and the world it is about. Output: how often landings fail, beside how
-// often the engine expects it, for landings drawn over the whole range of risk; and how often
-// ground that is called grass is not fit to land on, by its shape.
+// often the engine expects it, for landings drawn over the whole range of risk.
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -17,12 +14,6 @@
 
 namespace freelsd {
 
-struct DrawnSeries {
-  uint64_t seed = 0;
-  // Error of the map's position, world.
-  Eigen::Vector2d map_shift = Eigen::Vector2d::Zero();
-};
-
 // A landing at a random place of the map, into the wind, where final and roll were seen.
 struct DrawnLanding {
   // With the approach of its plan, and the wind.
@@ -31,8 +22,6 @@ struct DrawnLanding {
   // Shares of the flights that failed, and that failed by thin things alone.
   double observed = 0.0;
   double observed_thin = 0.0;
-  // Flights that failed by what they met first, as in FlownSite.
-  std::map<std::string, int> causes;
 };
 
 // Of each bin of the expected risk at most some are flown. Empty without a map.
@@ -51,18 +40,15 @@ std::optional<LandingRisk> RiskAt(const Site& site,
 // Log loss of an expected risk, of which no more than 1e-4 is believed to be certain.
 double LogLoss(double expected, double observed);
 
-// {"landings": [[expected, observed, observed by thin things alone, [expected without ground,
-// final, position, wind], causes], ...], "shapes": [[cells, unfit cells], ...]}, of DrawLandings.
+// [[expected, observed, observed by thin things alone], ...] of DrawLandings.
 nlohmann::json LandingRisksJson(const EngineRun& run,
                                 const Scenario& scenario,
                                 const TruthMap& truth,
-                                const PipelineOptions& options,
-                                const DrawnSeries& series);
+                                const ApproachOptions& options,
+                                uint64_t seed);
 
 // By bins of the expected risk: number of landings, expected and observed failures per landing with
-// an interval (bootstrap over worlds). By part of the risk: the mean log loss without it, less that
-// with it. Of landings with a small expected risk: flights that failed, by cause. By bins of the
-// shape's ratio: cells, and share of unfit ones.
+// an interval (bootstrap over worlds).
 nlohmann::json LandingRiskTotals(const nlohmann::json& records);
 
 }  // namespace freelsd

@@ -71,6 +71,9 @@ TEST_CASE("flight clock: times of another day, or of a clock that was never set,
     CHECK(FlightClock({sample}).AgeS(sample, kNowUs + kSecondUs) == 1.0);
   }
   CHECK_FALSE(FlightClock({}).AgeS({kNowUs, 0}, kNowUs));
+  // So also where the clock was set until the aircraft's computer started again.
+  CHECK(FlightClock(Live(-60, 0) + std::vector{never_set}).AgeS(never_set, kNowUs + kSecondUs) ==
+        1.0);
   // Where the aircraft's clock is known to show this day, one of another day is old.
   CHECK(FlightClock(Live(-60, 0) + std::vector{two_days_ago}).AgeS(two_days_ago, kNowUs) ==
         doctest::Approx(2.0 * 86400.0).epsilon(1e-4));

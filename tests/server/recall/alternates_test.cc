@@ -109,20 +109,6 @@ TEST_CASE("alternates: a flight that is never silent does not starve the others"
   alternates.Stop();
 }
 
-TEST_CASE("alternates: a deleted site leaves the list at once, also if the aircraft is silent") {
-  const MeadowServer meadow(StoreAmslMeadow);
-  httplib::Client& client = *meadow.client;
-  const std::string flight = NewAmslFlight(client);
-  PostLine(client, flight, LineAt(1, 900.0));
-  REQUIRE(Becomes(client, flight, std::chrono::seconds(10), [](const nlohmann::json& answer) {
-    return answer["sites"].size() == 1;
-  }));
-  REQUIRE(client.Delete("/v1/sites/f-r1")->status == 204);
-  CHECK(Becomes(client, flight, std::chrono::seconds(2), [](const nlohmann::json& answer) {
-    return answer["sites"].empty();
-  }));
-}
-
 // People all over the meadow, for some seconds.
 void PutPeople(httplib::Client& client, std::chrono::seconds for_time) {
   const int64_t until_us =

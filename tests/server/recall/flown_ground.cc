@@ -225,4 +225,17 @@ void Store(Storage& storage, MapCache& maps, const Flown& flown) {
   StoreEvaluation(storage, maps, *turn, std::move(rows));
 }
 
+FlownServer::FlownServer(const std::vector<Flown>& flights)
+    : MeadowServer([&flights](Storage& storage) {
+        MapCache maps({size_t{1} << 24, size_t{1} << 22});
+        for (const Flown& flown : flights) {
+          if (flown.is_experiment) storage.flights.Insert(FlightOf(flown));
+          Store(storage, maps, flown);
+        }
+      }) {}
+
+nlohmann::json FlownServer::Site(const std::string& id) const {
+  return GetJson(*client, "/v1/sites/" + id)["properties"];
+}
+
 }  // namespace freelsd

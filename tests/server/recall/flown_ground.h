@@ -4,9 +4,11 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "api/stored/stored.h"
 #include "server/recall/superseding.h"
+#include "tests/server/meadow.h"
 
 namespace freelsd {
 
@@ -70,5 +72,13 @@ SiteRow SiteOf(const Flown& flown);
 SiteMap MapOf(const Flown& flown);
 // As the server stores it: in place of what the flight has said of the field so far.
 void Store(Storage& storage, MapCache& maps, const Flown& flown);
+
+// The meadow's server, which has stored in this order what the flights said.
+struct FlownServer : MeadowServer {
+  explicit FlownServer(const std::vector<Flown>& flights);
+
+  // Its properties.
+  nlohmann::json Site(const std::string& id) const;
+};
 
 }  // namespace freelsd

@@ -79,17 +79,6 @@ struct Memory {
 };
 
 TEST_CASE(
-    "memory of maps: a later map on which the plan holds confirms it, without any site there") {
-  Memory memory;
-  memory.EvaluateFirst();
-  CHECK_FALSE(memory.First().superseded_by);
-  CHECK(memory.First().is_checked);
-  memory.Evaluate("later", Meadow(), kLater);
-  CHECK_FALSE(memory.First().superseded_by);
-  CHECK(memory.First().confirmed_at_us == kLater);
-}
-
-TEST_CASE(
     "memory of maps: a later map with a wall supersedes, and no longer when it is forgotten") {
   Memory memory;
   memory.EvaluateFirst();
@@ -123,13 +112,6 @@ TEST_CASE(
     CHECK_FALSE(memory.First().superseded_by);
     CHECK_FALSE(memory.First().confirmed_at_us);
   }
-}
-
-TEST_CASE("memory of maps: a site that arrives after the later map is superseded at once") {
-  Memory memory;
-  memory.Evaluate("later", MeadowWithWall(), kLater);
-  memory.EvaluateFirst();
-  CHECK(memory.First().superseded_by == "later");
 }
 
 TEST_CASE(

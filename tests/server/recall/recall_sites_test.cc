@@ -124,17 +124,6 @@ TEST_CASE(
   CHECK(storm["summary"].get<std::string>().find("no approach in this wind") != std::string::npos);
 }
 
-TEST_CASE("emergency: the approach is planned for the wind given, on the stored map") {
-  const MeadowServer meadow(StoreAmslMeadow);
-  const nlohmann::json answer =
-      GetJson(*meadow.client,
-              Query(800.0, "&wind_east_mps=3&wind_north_mps=0&heading_deg=0&altitude_datum=amsl"));
-  REQUIRE(answer["sites"].size() == 1);
-  // Air moves to the east: the final is flown to the west.
-  CHECK(answer["sites"][0]["approach"]["heading_deg"].get<double>() ==
-        doctest::Approx(270.0).epsilon(0.01));
-}
-
 TEST_CASE("emergency: terrain of a stored map on the way counts, also of a rejected site") {
   const auto with_wall = [](Storage& storage) {
     StoreAmslMeadow(storage);
@@ -209,6 +198,9 @@ TEST_CASE("emergency: its listener has threads of its own and nothing else") {
   httplib::Client client = meadow.server->EmergencyClient();
   CheckProblem(client.Get("/v1/flights"), 404, "NotFound");
   CheckProblem(client.Get("/"), 404, "NotFound");
+  // It would delay a recall.
+  CheckProblem(
+      client.Get("/v1/reach?latitude_deg=47&longitude_deg=8&altitude_m=600"), 404, "NotFound");
   // All of the main listener's threads wait for slow uploads.
   RawConnection first(meadow.server->port()), second(meadow.server->port());
   for (const RawConnection* slow : {&first, &second}) {
@@ -253,37 +245,6 @@ TEST_CASE("emergency: the answer is the same after kill -9 and a cold start") {
   };
   const nlohmann::json first = ask();
   CHECK(ask() == first);
-}
-
-TEST_CASE("emergency: sites stay when their flight is deleted, unless they are to be forgotten") {
-  for (const bool is_forgotten : {false, true}) {
-    INFO("forgotten " << is_forgotten);
-    const MeadowServer meadow([](Storage& storage) {
-      FlightRow flight;
-      flight.id = std::string("f");
-      flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
-      storage.flights.Insert(flight);
-      StoreAmslMeadow(storage);
-    });
-    const std::string path =
-        std::string("/v1/flights/f") + (is_forgotten ? "?forget_sites=true" : "");
-    CHECK(meadow.client->Delete(path)->status == 204);
-    CHECK(GetJson(*meadow.client, Query(600.0, kCalmNorth))["sites"].size() ==
-          (is_forgotten ? 0 : 1));
-  }
-}
-
-TEST_CASE("emergency: a superseded site is not recalled") {
-  const MeadowServer meadow([](Storage& storage) {
-    StoreAmslMeadow(storage);
-    SiteRow later = MeadowSite("amsl");
-    later.id = std::string("g-r1");
-    later.flight_id = std::string("g");
-    PutOnMap(storage, later, Meadow(), {{"f-r1", SupersededBy("g-r1")}});
-  });
-  const nlohmann::json answer = GetJson(*meadow.client, Query(900.0, kCalmNorth));
-  REQUIRE(answer["sites"].size() == 1);
-  CHECK(answer["sites"][0]["site_id"] == "g-r1");
 }
 
 TEST_CASE("emergency: the nearest miss is found also far beyond reach") {

@@ -5,7 +5,6 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
 #include "tests/server/site_on_map.h"
 
@@ -32,16 +31,9 @@ Flown Later(Ground ground, const std::string& flight_id = "later", int64_t seen_
           .place = kPlace};
 }
 
-struct FieldServer : MeadowServer {
-  explicit FieldServer(const std::vector<Flown>& flights)
-      : MeadowServer([&flights](Storage& storage) {
-          MapCache maps({size_t{1} << 24, size_t{1} << 22});
-          for (const Flown& flown : flights) Store(storage, maps, flown);
-        }) {}
+struct FieldServer : FlownServer {
+  using FlownServer::FlownServer;
 
-  nlohmann::json Site(const std::string& id) const {
-    return GetJson(*client, "/v1/sites/" + id)["properties"];
-  }
   bool IsListed(const std::string& path) const {
     const auto answer = client->Get(path);
     // 409: no site remains for the file.
@@ -210,27 +202,6 @@ TEST_CASE("memory: a plan that is doubted only as it is asked for ranks behind a
   CHECK(sites.back()["warnings"].dump().find("not recognised") != std::string::npos);
 }
 
-TEST_CASE("memory: flights may arrive in any order") {
-  const Flown first = First(), blocked = Later(Ground::kTreeOnFinal);
-  const Flown free = Later(Ground::kFree, "latest", kLatest);
-  std::vector<Flown> flights{first, blocked, free};
-  const auto by_id = [](const Flown& a, const Flown& b) { return a.flight_id < b.flight_id; };
-  std::sort(flights.begin(), flights.end(), by_id);
-  do {
-    INFO(flights[0].flight_id);
-    const FieldServer field(flights);
-    CHECK_FALSE(field.IsServed());
-    const nlohmann::json site = field.Site("first-r1");
-    CHECK(site["superseded_by"] == "later-r1");
-    CHECK(site["superseded_at"] == kLaterText);
-    CHECK(site["last_seen_at"] == "2020-09-15T12:26:40Z");
-  } while (std::next_permutation(flights.begin(), flights.end(), by_id));
-  // An older flight, and the same photographs sent again, show nothing later.
-  for (const int64_t seen_at_us : {kFirst - 1, kFirst}) {
-    CHECK(FieldServer({First(), Later(Ground::kTreeOnFinal, "old", seen_at_us)}).IsServed());
-  }
-}
-
 TEST_CASE("memory: what superseded a site is forgotten: the other later maps decide again") {
   const FieldServer field({First(),
                            Later(Ground::kTreeOnFinal),
@@ -250,16 +221,6 @@ TEST_CASE("memory: what superseded a site is forgotten: the other later maps dec
   CHECK(field.Site("first-r1")["last_seen_at"] == kLaterText);
   CHECK(field.Forget("free") == 204);
   CHECK(field.Site("first-r1")["last_seen_at"] == "2020-09-13T12:26:40Z");
-}
-
-TEST_CASE("memory: a map that does not show the disc neither supersedes nor refreshes") {
-  const FieldServer unseen({First(), Later(Ground::kDiscUnseen)});
-  CHECK(unseen.IsServed());
-  CHECK(unseen.Site("first-r1")["last_seen_at"] == "2020-09-13T12:26:40Z");
-  // But what it shows on the final does.
-  const FieldServer tree({First(), Later(Ground::kDiscUnseenTree)});
-  CHECK_FALSE(tree.IsServed());
-  CHECK(tree.Site("first-r1")["superseded_reason"] == "approach_blocked");
 }
 
 TEST_CASE("memory: altitudes of another datum, or wrong ones, change nothing of the ground") {

@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
 
 namespace freelsd {
@@ -34,16 +33,9 @@ Flown Local(Ground ground) {
   return flown;
 }
 
-struct Field : MeadowServer {
-  explicit Field(const std::vector<Flown>& flights)
-      : MeadowServer([&flights](Storage& storage) {
-          MapCache maps({size_t{1} << 24, size_t{1} << 22});
-          for (const Flown& flown : flights) Store(storage, maps, flown);
-        }) {}
+struct Field : FlownServer {
+  using FlownServer::FlownServer;
 
-  nlohmann::json Site(const std::string& id) const {
-    return GetJson(*client, "/v1/sites/" + id)["properties"];
-  }
   nlohmann::json RecalledAt(const std::string& latitude_deg) const {
     return GetJson(*client,
                    "/v1/emergency?limit=50&heading_deg=0&wind_east_mps=0&wind_north_mps=-4&"
@@ -135,28 +127,6 @@ TEST_CASE("a building on an undated map counts: neither map replaces the other, 
       CHECK(field.Site("first-r1")["verdict"] == "landable");
     }
   }
-}
-
-TEST_CASE("an undated map that arrived before the dated flight is older: the later one decides") {
-  const Field field({Undated(Ground::kFree, kFirst - kDayUs), Dated(Ground::kTreeOnFinal)});
-  CHECK(field.Site("undated-r1")["superseded_by"] == "first-r1");
-  const Field wrong({Undated(Ground::kTreeOnFinal, kFirst - kDayUs), Dated()});
-  CHECK(wrong.Site("first-r1")["verdict"] == "landable");
-  // It was seen again later: that date is known.
-  const Field seen_again({Undated(Ground::kFree, kFirst - kDayUs), Dated()});
-  CHECK(seen_again.Site("undated-r1")["last_seen_at"] == kFirstText);
-}
-
-TEST_CASE(
-    "local time without an offset: a flight of the next day is later, one of the same is not") {
-  Flown next = Dated();
-  next.flight_id = "next";
-  next.seen_at_us = kFirst + kDayUs;
-  const Field field({Local(Ground::kFree), Dated(), next});
-  CHECK(field.Site("local-r1")["last_seen_at"] == "2020-09-14T12:26:40Z");
-  CHECK(field.Site("first-r1")["last_seen_at"] == "2020-09-14T12:26:40Z");
-  CHECK(Field({Local(Ground::kFree), Dated()}).Site("local-r1")["last_seen_at"] ==
-        "2020-09-12T22:26:40Z");
 }
 
 }  // namespace

@@ -130,11 +130,12 @@ void SpoilBoth(const std::filesystem::path& folder, const std::string& kind) {
     if (kind == "pages") Spoil(file, 4096, std::filesystem::file_size(file) - 4096);
     if (kind == "cut") std::filesystem::resize_file(file, 0);
     if (kind == "gone") std::filesystem::remove(file);
+    if (kind == "overwritten") std::ofstream(file) << std::string(20'000, 'x');
   }
 }
 
 TEST_CASE("damage: both damaged: both are set aside, and a notice says that nothing was restored") {
-  for (const std::string kind : {"head", "pages", "cut", "gone"}) {
+  for (const std::string kind : {"head", "pages", "cut", "gone", "overwritten"}) {
     CAPTURE(kind);
     const TemporaryFolder folder;
     StoreTwoSites(folder.path());
@@ -214,6 +215,7 @@ TEST_CASE("damage: a database that is damaged, cut or gone is set aside, and sit
     if (kind == "version") WriteAt(file, 60, "\x7f\x7f\x7f\x7f");
     if (kind == "cut") std::filesystem::resize_file(file, 0);
     if (kind == "gone") std::filesystem::remove(file);
+    if (kind == "overwritten") std::ofstream(file) << std::string(20'000, 'x');
     Storage storage(folder.path());
     CHECK(HasBoth(storage));
     REQUIRE(storage.Notices().size() == 1);

@@ -365,10 +365,7 @@ TEST_CASE("storage: full disks, kills and damage leave what was promised, and no
   const int num_steps = given == nullptr ? kDefaultNumSteps : std::atoi(given);
   const TemporaryFolder folder;
   const SmallDisk disk(folder.path() / "disk", "24m");
-  if (!disk.is_mounted()) {
-    MESSAGE("skipped: this process may not mount a small file system");
-    return;
-  }
+  if (!IsMounted(disk)) return;
   Machine machine(folder.path() / "disk", disk, 1);
   for (int i = 0; i < num_steps; ++i) {
     CAPTURE(i);

@@ -104,10 +104,7 @@ TEST_CASE("second copy: a change of the same stamp reaches the copy after a kill
 TEST_CASE("second copy: what a full disk refuses is in neither database") {
   const TemporaryFolder folder;
   const SmallDisk disk(folder.path() / "disk", "8m");
-  if (!disk.is_mounted()) {
-    MESSAGE("skipped: this process may not mount a small file system");
-    return;
-  }
+  if (!IsMounted(disk)) return;
   const auto name = [](int i) { return "mast-" + std::to_string(i); };
   int num_refused = 0;
   std::set<std::string> accepted;
@@ -142,10 +139,7 @@ TEST_CASE("second copy: what a full disk refuses is in neither database") {
 TEST_CASE("second copy: without room to restore it, recall reads it, and a later start restores") {
   const TemporaryFolder folder;
   const SmallDisk disk(folder.path() / "disk", "8m");
-  if (!disk.is_mounted()) {
-    MESSAGE("skipped: this process may not mount a small file system");
-    return;
-  }
+  if (!IsMounted(disk)) return;
   const std::filesystem::path data = folder.path() / "disk";
   {
     Storage storage(data);

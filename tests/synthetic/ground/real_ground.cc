@@ -171,7 +171,6 @@ World MakeWorldAround(const RealGround& place,
   // Lanes and wires would end at the place.
   world.movers.clear();
   world.overhead.release();
-  world.parcels.clear();
   const RealGround on_grid = OnGrid(place, placement, world);
   PloughFields(world);
   FillGrids(world, on_grid, options);

@@ -99,50 +99,6 @@ TEST_CASE("real ground: north is up and east is right, as placed and turned") {
   CHECK(is_pool(WorldOf(pack, turned), {5.0 + pool.y(), -8.0 - pool.x()}));
 }
 
-TEST_CASE("real ground: slope, boulders and bushes of a lawn are not to land on") {
-  if (!HasData()) return;
-  const RealGround pack = ReadRealGround("brighton_beach");
-  const World world = WorldOf(pack);
-  CHECK(FaultAt(world, PlaceOf(pack, 420, 480)) == GroundFault::kNone);  // lawn
-  // Over 9 m it falls by 0.87 m eastwards and 0.97 m southwards: 8.3 degrees.
-  CHECK(FaultAt(world, PlaceOf(pack, 220, 620)) == GroundFault::kSteep);
-  CHECK(FaultAt(world, PlaceOf(pack, 226, 470)) == GroundFault::kCover);  // boulder
-  CHECK(FaultAt(world, PlaceOf(pack, 346, 420)) == GroundFault::kCover);  // bush
-  CHECK(FaultAt(world, PlaceOf(pack, 405, 615)) == GroundFault::kCover);  // pavilion
-  CHECK(FaultAt(world, PlaceOf(pack, 480, 420)) == GroundFault::kCover);  // road
-}
-
-TEST_CASE("real ground: a surface model on another grid than the orthophoto lies below it") {
-  if (!HasData()) return;
-  // Half a pixel of the orthophoto on the slope there.
-  constexpr double kMaxErrorM = 0.05;
-  const RealGround pack = ReadRealGround("autzen_or");
-  // The middle of cell (115, 119) of the surface model, which is 1 m wide, in pixels of 0.3048 m.
-  // Its height is what gdallocationinfo reads.
-  const int col = static_cast<int>(std::lround((115.5 + 0.2536) / 0.3048 - 0.5));
-  const int row = static_cast<int>(std::lround((119.5 + 0.0741) / 0.3048 - 0.5));
-  CHECK(std::abs(pack.surface(row, col) + pack.datum_m - 130.991) < kMaxErrorM);
-}
-
-TEST_CASE("real ground: a window has its own middle and datum") {
-  if (!HasData()) return;
-  constexpr double kMaxErrorM = 0.02;
-  const RealGround pack = ReadRealGround("iquitos_pe");
-  const std::vector<GroundWindow> windows = ReadGroundWindows("iquitos_pe");
-  REQUIRE(windows.size() == 4);
-  CHECK(windows[1].name == "school");
-  CHECK(windows[1].kind == "field");
-  const RealGround school = Cut(pack, windows[1], 300.0, 150.0);
-  const int middle = school.surface.rows / 2;
-  // As gdallocationinfo reads it at (580, 440).
-  CHECK(std::abs(school.surface(middle, middle) + school.datum_m - 122.5996) < kMaxErrorM);
-  CHECK(school.datum_m < pack.datum_m + 20.0);
-  CHECK(cv::countNonZero(school.cover == static_cast<int>(Cover::kMeadow)) > 1000);
-  // Beyond the pack nothing is known.
-  const RealGround corner = Cut(pack, {"corner", "decoy", {180.0, 180.0}}, 300.0, 250.0);
-  CHECK(corner.is_known(0, 0) == 0);
-}
-
 TEST_CASE("real ground: every pack of the pools has outlines and windows") {
   for (const char* pack : {"honduras_pool",
                            "brighton_beach",

@@ -12,15 +12,7 @@ namespace {
 
 constexpr double kHeightM = 100.0;
 
-Camera SmallCamera() {
-  Camera camera;
-  camera.width_px = 400;
-  camera.height_px = 300;
-  camera.fx_px = camera.fy_px = 280.0;
-  camera.cx_px = 199.5;
-  camera.cy_px = 149.5;
-  return camera;
-}
+Camera SmallCamera() { return CenteredCamera(400, 300, 280.0); }
 
 // Views whose poses are some metres off on the ground, with the truth beside them.
 struct Strip {

@@ -345,13 +345,5 @@ TEST_CASE("reach: a flight fills in its datum and aircraft") {
   CHECK(GetJson(*meadow.client, ReachQuery(600.0))["aircraft"]["profile"] == "small");
 }
 
-TEST_CASE("reach: the emergency listener does not serve it, so that it delays no recall") {
-  const MeadowServer meadow(StoreAmslMeadow, [](Config& config) {
-    config.emergency = Address{"127.0.0.1", 0};
-  });
-  httplib::Client client = meadow.server->EmergencyClient();
-  CheckProblem(client.Get(ReachQuery(600.0)), 404, "NotFound");
-}
-
 }  // namespace
 }  // namespace freelsd
