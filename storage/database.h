@@ -145,10 +145,9 @@ struct Dialect {
   std::string flight_number;
   // Gives a row if flight $1 may not lose its images now.
   std::string flight_in_use;
-  // Column of frames: the image, NULL if it was given up.
+  // Column of frames: the image that a frame keeps. A column beside sha256 is NULL once the image
+  // was given up.
   std::string frame_image;
-  // Columns of frames that hold the image's name.
-  std::vector<std::string> frame_images;
   // The images that flight $1 gives up, and a statement that gives them up.
   std::string retired_images;
   std::string retire_images;
@@ -214,7 +213,8 @@ class StoreAccess {
     auto found = Read(find, Reading::kSites);
     return found || !dialect().has_second_copy ? found : Read(find, Reading::kRecall);
   }
-  // Runs `act` with a Writer and commits, unless it throws. Returns what it returns.
+  // Runs `act` with a Writer and commits, unless it throws. Returns what it returns. For
+  // kUnseenMaps it runs once for each copy.
   template <typename Act>
   auto Write(const Act& act, Writing what = Writing::kRows, Teller teller = Teller::kThisServer) {
     using Result = std::invoke_result_t<Act, Writer&>;

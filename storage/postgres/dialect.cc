@@ -108,7 +108,6 @@ Dialect PostgresDialect(bool is_shared) {
   dialect.flight_number = "number";
   dialect.flight_in_use = FlightInUse(is_shared);
   dialect.frame_image = "stored_image";
-  dialect.frame_images = {"sha256", "stored_image"};
   dialect.retired_images =
       "SELECT DISTINCT stored_image FROM frames WHERE flight_id = $1 AND stored_image IS NOT NULL";
   dialect.retire_images = "UPDATE frames SET stored_image = NULL WHERE flight_id = $1";

@@ -1,7 +1,7 @@
 // How the stores read and write both databases.
 #include <algorithm>
 
-#include "storage/sqlite/changes/changes.h"
+#include "storage/sqlite/changes.h"
 #include "storage/sqlite/dialect.h"
 #include "storage/sqlite/state.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "storage/sqlite/changes/changes.h"
+#include "storage/sqlite/changes.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite.h"
 #include "storage/storage_error.h"

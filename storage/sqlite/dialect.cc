@@ -40,7 +40,6 @@ Dialect SqliteDialect() {
       "SELECT 1 FROM frames WHERE flight_id = $1 AND state = 0 "
       "UNION ALL SELECT 1 FROM jobs WHERE flight_id = $1 AND state < 2";
   dialect.frame_image = "sha256";
-  dialect.frame_images = {"sha256"};
   // Those that only frames of this flight name.
   dialect.retired_images =
       "SELECT DISTINCT sha256 FROM frames AS mine WHERE flight_id = $1 AND NOT EXISTS ("

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <set>
 
-#include "storage/sqlite/changes/changes.h"
+#include "storage/sqlite/changes.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/storage_error.h"
@@ -153,7 +153,8 @@ void StorageState::MarkCopyDamaged(const std::string& why) {
 void StorageState::OpenSchemas() {
   const bool was_used = std::filesystem::exists(folder / kDatabaseFileName);
   OpenSchema(writer);
-  // A forgotten flight may come again, and its maps that a cache knows must not have their ids again.
+  // A forgotten flight may come again, and its maps that a cache knows must not have their ids
+  // again.
   first_map_number = std::max(FirstMapNumberOf(folder, folder / kDatabaseName, writer),
                               writer.Int("SELECT 1 + coalesce(max(number), 0) FROM maps"));
   On(copy_writer, [&](Connection& copy) {

@@ -28,26 +28,24 @@ std::string SelectFrames(const std::string& which) {
 }
 
 void InsertFrameRow(Database& writer, const Dialect& dialect, const FrameRow& frame) {
-  std::string columns, values;
-  for (const std::string& column : dialect.frame_images) {
-    columns += ", " + column;
-    values += ", $11";
-  }
+  const std::string& image = dialect.frame_image;
+  const std::string column = image == "sha256" ? "" : ", " + image;
   writer.Change(
-      "INSERT INTO frames (flight_id, sequence, id, meta_json, state, reason, is_from_batch, "
-      "tags_json, resolved_json, arrived_at_us" +
-          columns + ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10" + values + ")",
+      "INSERT INTO frames (flight_id, sequence, id, sha256, meta_json, state, reason, "
+      "is_from_batch, tags_json, resolved_json, arrived_at_us" +
+          column + ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11" +
+          (column.empty() ? ")" : ", $4)"),
       frame.flight_id,
       frame.sequence,
       frame.id,
+      frame.sha256,
       frame.meta_json,
       static_cast<int>(frame.state),
       frame.reason,
       frame.is_from_batch,
       frame.tags_json,
       frame.resolved_json,
-      frame.arrived_at_us,
-      frame.sha256);
+      frame.arrived_at_us);
 }
 
 }  // namespace

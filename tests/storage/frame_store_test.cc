@@ -25,6 +25,28 @@ TEST_CASE("frame store: what the engine took of frames comes in their order, of 
   CHECK(taken == std::vector<std::string>{"{\"n\":1}", "{\"n\":3}"});
 }
 
+TEST_CASE(
+    "frame store: of a long flight, each resolved frame comes once, and the store may be used") {
+  constexpr int kNumFrames = 2001;
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.images.Write(kImage, "pixels");
+  std::vector<FrameRow> frames;
+  for (int i = 0; i < kNumFrames; ++i) {
+    frames.push_back(SomeFrame("f", std::to_string(i)));
+    if (i % 2 == 0) frames.back().resolved_json = std::to_string(i);
+  }
+  storage.frames.Insert("f", frames);
+  int next = 0;
+  storage.frames.ForEachResolved("f", [&](const std::string& json) {
+    CHECK(json == std::to_string(next));
+    next += 2;
+    if (next == 2) storage.frames.SetState("f", "0", FrameState::kProcessed, "");
+  });
+  CHECK(next == kNumFrames + 1);
+}
+
 TEST_CASE("frame store: frames of a refused insert are not there, nor is their job") {
   const StoragePlace place;
   Storage storage(place.options());

@@ -61,5 +61,22 @@ TEST_CASE("job store: pages list every job once, newest first, and end early for
   CHECK(short_page.has_more);
 }
 
+TEST_CASE("job store: pages hold more jobs than are read at once") {
+  constexpr int kNumJobs = 40;
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.flights.Insert(SomeFlight("f"));
+  for (int i = 0; i < kNumJobs; ++i) storage.jobs.Insert(SomeJob(std::to_string(i), "f"));
+  const JobPage all = storage.jobs.ListPage(kNumJobs, std::nullopt, 100000);
+  REQUIRE(all.jobs.size() == kNumJobs);
+  CHECK_FALSE(all.has_more);
+  for (size_t i = 0; i < all.jobs.size(); ++i) {
+    CHECK(all.jobs[i].id == std::to_string(kNumJobs - 1 - i));
+  }
+  const JobPage half = storage.jobs.ListPage(32, std::nullopt, 100000);
+  CHECK(half.jobs.size() == 32);
+  CHECK(half.has_more);
+}
+
 }  // namespace
 }  // namespace freelsd

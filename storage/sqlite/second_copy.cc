@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "storage/change_store.h"
-#include "storage/sqlite/changes/changes.h"
+#include "storage/sqlite/changes.h"
 #include "storage/sqlite/site_queries.h"
 
 namespace freelsd {

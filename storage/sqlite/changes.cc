@@ -1,4 +1,4 @@
-#include "storage/sqlite/changes/changes.h"
+#include "storage/sqlite/changes.h"
 
 #include <cerrno>
 #include <cstring>
