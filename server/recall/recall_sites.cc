@@ -21,18 +21,12 @@ namespace {
 // After this time an answer begins no further plan.
 constexpr std::chrono::milliseconds kTimeBudget{1500};
 
-nlohmann::json PlaceOf(const GeoPoint& place) {
-  return {{"latitude_deg", place.latitude_deg},
-          {"longitude_deg", place.longitude_deg},
-          {"altitude_m", place.altitude_m}};
-}
-
 nlohmann::json ApproachOf(const Plan& plan, const FlightContext& context) {
   nlohmann::json approach = PlanProperties(plan, context)["approach"];
   approach["start"] =
-      PlaceOf(context.local_frame.GeoFromWorld(plan.approach->approach_start_in_world));
+      GeoPointJson(context.local_frame.GeoFromWorld(plan.approach->approach_start_in_world));
   approach["loiter_center"] =
-      PlaceOf(context.local_frame.GeoFromWorld(plan.approach->loiter_center_in_world));
+      GeoPointJson(context.local_frame.GeoFromWorld(plan.approach->loiter_center_in_world));
   return approach;
 }
 
@@ -80,7 +74,7 @@ nlohmann::json AnswerOf(const EmergencyRequest& request,
                         {"altitude_datum", candidate.row->data.altitude_datum},
                         {"aircraft", AircraftJson(task.aircraft)},
                         {"warnings", LimitsWarnings(task.aircraft)},
-                        {"touchdown", PlaceOf(touchdown)},
+                        {"touchdown", GeoPointJson(touchdown)},
                         {"approach", ApproachOf(plan, context)}};
   answer.update(GroundAgeJson(candidate.row->seen_at_us, NowUs()));
   for (std::string& warning : StandingWarnings(request, *candidate.row, plan)) {
