@@ -297,21 +297,6 @@ TEST_CASE("hazard: other limits on stored layers give what a new assessment give
   CHECK_THROWS_AS(WithLimits(FlatMap(5), anew, steep, {}), std::invalid_argument);
 }
 
-TEST_CASE("hazard: a closed crop that one aircraft's limits refuse is no meadow to another's") {
-  const ElevationMap map = MapOf(90, [](double east, double north) {
-    const bool is_crop = std::max(std::abs(east), std::abs(north)) < 20.0;
-    return 100.0 + (is_crop ? 1.2 : 0.0) + 0.03 * std::sin(3.0 * east) * std::sin(2.0 * north);
-  });
-  const std::vector<GrassView> views = TwoNadirViews(kSurelyGrass);
-  const HazardLimits strict{.max_slope_deg = 8.0, .max_roughness_m = 0.0};
-  const HazardLayers refused = AssessHazards(map, views, strict, {});
-  REQUIRE(cv::countNonZero(refused.hazard == kFree) == 0);
-  const HazardLayers renewed = WithLimits(map, refused, {}, {});
-  const cv::Rect crop(32, 32, 26, 26), meadow(2, 2, 15, 86);
-  CHECK(cv::countNonZero(renewed.hazard(crop) == kFree) == 0);
-  CHECK(cv::countNonZero(renewed.hazard(meadow) == kFree) == meadow.area());
-}
-
 TEST_CASE("hazard: Check names field, value and constraint") {
   const auto is_refused = [](const auto& change) {
     HazardOptions options;
