@@ -81,15 +81,15 @@ run_program() {
   echo "$num_run" >>"$work/num_run"
 }
 
-# run_unit_tests PRESET "NAME FILTER"...: as many processes at once as there are cores. All cases of the named programs
-# must have run, whatever the filters are.
+# run_unit_tests PRESET "NAME FILTER"...: one more process at once than there are cores, because tests of servers mostly
+# wait. All cases of the named programs must have run, whatever the filters are.
 run_unit_tests() {
   local folder="build/$1/tests" num_run num_there=0 name
   shift
   : >"$work/num_run"
   export work
   export -f run_program
-  printf '%s\n' "$@" | xargs -P "$(nproc)" -L 1 bash -c 'run_program "$@"' run_program "$folder" ||
+  printf '%s\n' "$@" | xargs -P "$(($(nproc) + 1))" -L 1 bash -c 'run_program "$@"' run_program "$folder" ||
     fail "unit tests failed"
   for name in $(printf '%s\n' "${@%% *}" | sort -u); do
     num_there=$((num_there + $("$folder/$name" --count | grep -oE '[0-9]+$')))
