@@ -45,7 +45,7 @@ TEST_CASE("job store: pages list every job once, newest first, and end early for
   storage.flights.Insert(SomeFlight("f"));
   for (int i = 0; i < 5; ++i) {
     JobRow job = SomeJob("j" + std::to_string(i), "f");
-    job.detail_json.assign(100, ' ').append("{}");
+    job.detail_json.insert(0, 100, ' ');
     storage.jobs.Insert(job);
   }
   const JobPage first = storage.jobs.ListPage(3, std::nullopt, 100000);
