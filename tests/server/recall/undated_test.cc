@@ -10,7 +10,6 @@ namespace {
 
 constexpr int64_t kFirst = 1600000000000000;  // 2020-09-13T12:26:40Z
 constexpr int64_t kHourUs = int64_t{3600} * 1000000;
-constexpr int64_t kDayUs = 24 * kHourUs;
 constexpr char kFirstText[] = "2020-09-13T12:26:40Z";
 // Away from the meadow that the server holds anyway.
 constexpr int kPlace = 1;
