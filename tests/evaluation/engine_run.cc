@@ -1,5 +1,6 @@
 #include "tests/evaluation/engine_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <string>
@@ -22,6 +23,11 @@ std::vector<Candidate> Graded(const std::vector<Candidate>& regions) {
   return graded;
 }
 
+int CountProcessed(const std::vector<FrameResult>& results) {
+  return static_cast<int>(std::count_if(
+      results.begin(), results.end(), [](const auto& result) { return result.is_processed; }));
+}
+
 }  // namespace
 
 std::string ModelFileFor(const PipelineOptions& options) {
@@ -39,12 +45,12 @@ EngineRun RunEngine(const EngineInput& input,
   std::map<std::string, cv::Mat> images;
   for (const Frame& frame : input.frames) {
     images[frame.id] = frame.image;
-    frontend.Process(frame);
+    run.num_processed += CountProcessed(frontend.Process(frame));
     const double done =
         static_cast<double>(images.size()) / static_cast<double>(input.frames.size());
     progress(kFrontendShare * done, "frontend");
   }
-  frontend.Flush();
+  run.num_processed += CountProcessed(frontend.Flush());
   run.frontend_seconds = SecondsSince(start);
   run.snapshot = frontend.TakeSnapshot();
   run.snapshot.obstacles = input.obstacles;

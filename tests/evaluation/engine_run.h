@@ -14,6 +14,7 @@ struct EngineRun {
   Snapshot snapshot;
   // What the frontend knew of, graded or not.
   std::vector<Region> regions;
+  int num_processed = 0;
   // Until the last frame was through the frontend, and until all sites were there.
   double frontend_seconds = 0.0;
   double total_seconds = 0.0;

@@ -17,11 +17,28 @@ namespace {
 using Json = nlohmann::json;
 using Counts = std::map<std::string, int64_t>;
 
-// Of the maps.
-Sums AddUp(const Json& records, const char* key) {
+Sums AddUp(const Json& records, const char* part, const char* key) {
   Sums sums;
-  for (const Json& record : records) sums.Add(SumsFromJson(record.at("maps").at(key)));
+  for (const Json& record : records) sums.Add(SumsFromJson(record.at(part).at(key)));
   return sums;
+}
+
+int64_t AddUpCount(const Json& records, const char* part, const char* key) {
+  int64_t total = 0;
+  for (const Json& record : records) total += record.at(part).at(key).get<int64_t>();
+  return total;
+}
+
+std::map<std::string, std::array<int64_t, 3>> AddUpTriples(const Json& records,
+                                                           const char* part,
+                                                           const char* key) {
+  std::map<std::string, std::array<int64_t, 3>> total;
+  for (const Json& record : records) {
+    for (const auto& [name, counts] : record.at(part).at(key).items()) {
+      for (size_t i = 0; i < 3; ++i) total[name][i] += counts.at(i).get<int64_t>();
+    }
+  }
+  return total;
 }
 
 // Sites by verdict and what was wrong with them.
@@ -113,6 +130,7 @@ Json SafetyTotals(const Json& records) {
     const auto found = sites.verdicts.find(verdict);
     return found == sites.verdicts.end() ? int64_t{0} : found->second;
   };
+  const int64_t num_judged = count("landable") + count("unverified") - sites.num_in_doubt;
   Json grounds = Json::object();
   for (const auto& [ground, counted] : sites.grounds) {
     grounds[ground] = {{"num_accepted", counted[0]}, {"num_rejected", counted[1]}};
@@ -124,6 +142,7 @@ Json SafetyTotals(const Json& records) {
           {"num_unverified_sites", count("unverified")},
           {"num_rejected_sites", count("rejected")},
           {"num_false_safe", sites.num_false_safe},
+          {"false_safe_bound_95", RoundedNumber(UpperBound95(sites.num_false_safe, num_judged))},
           {"num_false_safe_without_shift", sites.num_false_safe_without_shift},
           {"num_false_safe_thin", sites.num_only_thin},
           {"num_in_doubt", sites.num_in_doubt},
@@ -146,18 +165,86 @@ Json SafetyTotals(const Json& records) {
 }
 
 Json MapTotals(const Json& records) {
-  Json totals{{"elevation_rmse_m", RoundedNumber(AddUp(records, "elevation_error_m").Rms())},
-              {"elevation_rmse_unbiased_m",
-               RoundedNumber(AddUp(records, "elevation_error_unbiased_m").Rms())}};
+  Json kinds = Json::object();
+  for (const auto& [kind, counts] : AddUpTriples(records, "maps", "hazard_of_kind")) {
+    const int64_t total = counts[0] + counts[1] + counts[2];
+    kinds[kind] = {{"num_cells", total},
+                   {"free_ratio", RoundedShare(counts[0], total)},
+                   {"hazard_ratio", RoundedShare(counts[1], total)},
+                   {"unseen_ratio", RoundedShare(counts[2], total)}};
+  }
+  Sums median;
+  for (const Json& record : records) {
+    const Json& value = record.at("maps").at("elevation_median_error_m");
+    // Not a number where there is no map; null in a file.
+    if (value.is_number() && std::isfinite(value.get<double>())) median.Add(value.get<double>());
+  }
+  Json totals{
+      {"elevation_rmse_m", RoundedNumber(AddUp(records, "maps", "elevation_error_m").Rms())},
+      {"elevation_rmse_unbiased_m",
+       RoundedNumber(AddUp(records, "maps", "elevation_error_unbiased_m").Rms())},
+      {"elevation_median_error_m", RoundedNumber(median.Mean())},
+      {"slope_rmse_deg", RoundedNumber(AddUp(records, "maps", "slope_error_deg").Rms())},
+      {"slope_bias_deg", RoundedNumber(AddUp(records, "maps", "slope_error_deg").Mean())},
+      {"roughness_rmse_m", RoundedNumber(AddUp(records, "maps", "roughness_error_m").Rms())},
+      {"hazard_recall",
+       RoundedShare(AddUpCount(records, "maps", "num_faulty_not_free"),
+                    AddUpCount(records, "maps", "num_faulty"))},
+      {"hazard_precision",
+       RoundedShare(AddUpCount(records, "maps", "num_called_hazard_rightly"),
+                    AddUpCount(records, "maps", "num_called_hazard"))},
+      {"kinds", kinds}};
   totals.update(DetiltedTotals(records));
   return totals;
 }
 
 Json FrontendTotals(const Json& records) {
   RocCounts roc;
-  for (const Json& record : records) roc.Add(RocFromJson(record.at("grass")));
-  return {{"region_auc", RoundedNumber(roc.Auc())},
-          {"region_calibration_error", RoundedNumber(roc.CalibrationError())}};
+  for (const Json& record : records) roc.Add(RocFromJson(record.at("frontend").at("regions")));
+  Json covers = Json::object();
+  for (const auto& [cover, counts] : AddUpTriples(records, "frontend", "pixels_of_cover")) {
+    const int64_t total = counts[0] + counts[1] + counts[2];
+    covers[cover] = {{"called_grass_ratio", RoundedShare(counts[0], total)},
+                     {"called_other_ratio", RoundedShare(counts[1], total)},
+                     {"unclassified_ratio", RoundedShare(counts[2], total)}};
+  }
+  const Sums height = AddUp(records, "frontend", "coarse_height_error_m");
+  return {{"region_error_ratio", RoundedNumber(roc.ErrorRatio())},
+          {"region_auc", RoundedNumber(roc.Auc())},
+          {"region_calibration_error", RoundedNumber(roc.CalibrationError())},
+          {"coarse_height_rmse_m", RoundedNumber(height.Rms())},
+          {"coarse_height_bias_m", RoundedNumber(height.Mean())},
+          {"num_regions", AddUpCount(records, "frontend", "num_regions")},
+          {"num_graded", AddUpCount(records, "frontend", "num_graded")},
+          {"num_duplicates", AddUpCount(records, "frontend", "num_duplicates")},
+          {"mean_track_length", RoundedNumber(AddUp(records, "frontend", "track_length").Mean())},
+          {"covers", covers}};
+}
+
+Json PoseTotals(const Json& records) {
+  Sums before, after, shift;
+  for (const Json& record : records) {
+    const Json& poses = record.at("poses");
+    before.Add(poses.at("rms_before_px").get<double>());
+    after.Add(poses.at("rms_after_px").get<double>());
+    const auto offset = poses.at("shift_m").get<std::array<double, 3>>();
+    shift.Add(std::hypot(offset[0], offset[1]));
+  }
+  const auto rms = [&](const char* key) {
+    return RoundedNumber(AddUp(records, "poses", key).Rms());
+  };
+  return {{"num_views", AddUpCount(records, "poses", "num_views")},
+          {"num_connected", AddUpCount(records, "poses", "num_connected")},
+          {"horizontal_before_m", rms("horizontal_before_m")},
+          {"horizontal_after_m", rms("horizontal_after_m")},
+          {"horizontal_shift_m", RoundedNumber(shift.Rms())},
+          {"horizontal_within_m", rms("horizontal_within_m")},
+          {"vertical_before_m", rms("vertical_before_m")},
+          {"vertical_after_m", rms("vertical_after_m")},
+          {"attitude_before_deg", rms("attitude_before_deg")},
+          {"attitude_after_deg", rms("attitude_after_deg")},
+          {"reprojection_before_px", RoundedNumber(before.Mean())},
+          {"reprojection_after_px", RoundedNumber(after.Mean())}};
 }
 
 }  // namespace
@@ -188,6 +275,7 @@ Json MakeReport(const Json& settings, const Json& records) {
           {"ablations", AblationTotals(records)},
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},
+          {"poses", PoseTotals(records)},
           {"peak_memory_with_world_mib", RoundedNumber(peak_mib)},
           {"worlds", records}};
 }

@@ -7,7 +7,7 @@
 
 namespace freelsd {
 
-// {safety, flown, found, things, maps, frontend, settings, worlds}; `worlds` are the
+// {safety, flown, found, things, maps, frontend, poses, settings, worlds}; `worlds` are the
 // records themselves, by seed, so that a report can be continued.
 nlohmann::json MakeReport(const nlohmann::json& settings, const nlohmann::json& records);
 

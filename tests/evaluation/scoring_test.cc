@@ -229,7 +229,11 @@ TEST_CASE("fields: a row of trees makes two of one, and a piece without room is 
   }
 }
 
-TEST_CASE("statistics: sums add up, and the area below a curve is that of its pairs") {
+TEST_CASE("statistics: the 95 % bound of 0 of 600 is 0.5 %, and sums add up") {
+  CHECK(UpperBound95(0, 600) == doctest::Approx(0.00498).epsilon(0.01));
+  CHECK(UpperBound95(0, 0) == 1.0);
+  // 3 of 200, one-sided, Clopper-Pearson.
+  CHECK(UpperBound95(3, 200) == doctest::Approx(0.0384).epsilon(0.01));
   Sums all, first, second;
   LogHistogram histogram;
   for (int i = 1; i <= 100; ++i) {
@@ -246,6 +250,7 @@ TEST_CASE("statistics: sums add up, and the area below a curve is that of its pa
   for (const double p : {0.9, 0.8, 0.4}) roc.Add(p, true);
   for (const double p : {0.6, 0.2, 0.1}) roc.Add(p, false);
   CHECK(roc.Auc() == doctest::Approx(8.0 / 9.0));
+  CHECK(roc.ErrorRatio() == doctest::Approx(2.0 / 6.0));
 }
 
 TEST_CASE("evaluation: on maps without error fields are found, and no answer is false safe") {

@@ -14,6 +14,19 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFirst = 1e-4;
 constexpr double kRatio = 1.05;
 
+// Probability of at most `num_seen` of `num_tried` at that rate.
+double AtMost(int64_t num_seen, int64_t num_tried, double rate) {
+  double probability = 0.0;
+  const double n = static_cast<double>(num_tried);
+  for (int64_t k = 0; k <= num_seen; ++k) {
+    const double x = static_cast<double>(k);
+    const double log_choose =
+        std::lgamma(n + 1.0) - std::lgamma(x + 1.0) - std::lgamma(n - x + 1.0);
+    probability += std::exp(log_choose + x * std::log(rate) + (n - x) * std::log1p(-rate));
+  }
+  return probability;
+}
+
 void AddUp(std::vector<int64_t>& counts, const std::vector<int64_t>& others) {
   for (size_t i = 0; i < counts.size() && i < others.size(); ++i) counts[i] += others[i];
 }
@@ -116,6 +129,16 @@ double RocCounts::CalibrationError() const {
   return sum / count;
 }
 
+double RocCounts::ErrorRatio() const {
+  int64_t num_wrong = 0, total = 0;
+  for (size_t bin = 0; bin < num_true.size(); ++bin) {
+    const bool says_true = 2 * static_cast<int>(bin) >= kNumBins - 1;
+    num_wrong += says_true ? num_false[bin] : num_true[bin];
+    total += num_true[bin] + num_false[bin];
+  }
+  return total == 0 ? kNan : static_cast<double>(num_wrong) / static_cast<double>(total);
+}
+
 nlohmann::json ToJson(const Sums& sums) {
   return nlohmann::json::array({sums.count, sums.sum, sums.sum_of_squares});
 }
@@ -135,6 +158,17 @@ RocCounts RocFromJson(const nlohmann::json& json) {
   counts.num_true.resize(RocCounts::kNumBins);
   counts.num_false.resize(RocCounts::kNumBins);
   return counts;
+}
+
+double UpperBound95(int64_t num_seen, int64_t num_tried) {
+  if (num_tried <= 0 || num_seen >= num_tried) return 1.0;
+  constexpr double kTail = 0.05;
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double rate = 0.5 * (low + high);
+    (AtMost(num_seen, num_tried, rate) > kTail ? low : high) = rate;
+  }
+  return high;
 }
 
 nlohmann::json RoundedNumber(double value) {

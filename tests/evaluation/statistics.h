@@ -47,12 +47,18 @@ struct RocCounts {
   // Expected calibration error: mean difference between the probability of a bin and the share that
   // is true of it.
   double CalibrationError() const;
+  // Share that a threshold at 0.5 gets wrong.
+  double ErrorRatio() const;
 };
 
 nlohmann::json ToJson(const Sums& sums);
 Sums SumsFromJson(const nlohmann::json& json);
 nlohmann::json ToJson(const RocCounts& counts);
 RocCounts RocFromJson(const nlohmann::json& json);
+
+// Upper 95 % bound of a rate of which `num_seen` of `num_tried` were seen (Clopper-Pearson): 0 of
+// 600 is 0.5 %.
+double UpperBound95(int64_t num_seen, int64_t num_tried);
 
 // Four significant digits; null where there was nothing.
 nlohmann::json RoundedNumber(double value);

@@ -80,7 +80,11 @@ std::string TableOf(const Json& report) {
   WriteRows(
       out, "the map made wrong on purpose, planned on in the same places", report.at("blinded"));
   WriteRows(out, "steps left out in turn", report.at("ablations"));
+  WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
   WritePart(out, "frontend", report.at("frontend"));
+  WriteRows(
+      out, "pixels of the masks, by what they truly show", report.at("frontend").at("covers"));
+  WritePart(out, "poses", report.at("poses"));
   std::string parts;
   for (const auto& [part, seconds] : report.at("cpu_s_per_world").items()) {
     parts += (parts.empty() ? "" : "; ") + part + " " + Text(seconds);

@@ -196,6 +196,14 @@ Json RegionJson(const Region& region) {
 Json PosesJson(const PoseScore& score) {
   return {{"num_views", score.num_views},
           {"num_connected", score.num_connected},
+          {"horizontal_before_m", ToJson(score.horizontal_before)},
+          {"horizontal_after_m", ToJson(score.horizontal_after)},
+          {"horizontal_within_m", ToJson(score.horizontal_within)},
+          {"vertical_before_m", ToJson(score.vertical_before)},
+          {"vertical_after_m", ToJson(score.vertical_after)},
+          {"attitude_before_deg", ToJson(score.attitude_before)},
+          {"attitude_after_deg", ToJson(score.attitude_after)},
+          {"rms_before_px", score.rms_before_px},
           {"rms_after_px", score.rms_after_px},
           {"shift_m", {score.shift.x(), score.shift.y(), score.shift.z()}}};
 }
@@ -203,10 +211,27 @@ Json PosesJson(const PoseScore& score) {
 Json MapsJson(const MapScore& score) {
   return {{"elevation_error_m", ToJson(score.elevation_error)},
           {"elevation_error_unbiased_m", ToJson(score.elevation_error_unbiased)},
+          {"elevation_median_error_m", score.elevation_median_error},
           {"elevation_error_detilted_m", ToJson(score.detilted.residual)},
           {"tilt_deg", score.detilted.plane.TiltDeg()},
           {"local_noise_m", score.detilted.local_noise.ToJson()},
-          {"hazard_of_kind", score.hazard_of_kind}};
+          {"slope_error_deg", ToJson(score.slope_error)},
+          {"roughness_error_m", ToJson(score.roughness_error)},
+          {"hazard_of_kind", score.hazard_of_kind},
+          {"num_faulty", score.num_faulty},
+          {"num_faulty_not_free", score.num_faulty_not_free},
+          {"num_called_hazard", score.num_called_hazard},
+          {"num_called_hazard_rightly", score.num_called_hazard_rightly}};
+}
+
+Json FrontendJson(const FrontendScore& score) {
+  return {{"regions", ToJson(score.regions)},
+          {"pixels_of_cover", score.pixels_of_cover},
+          {"coarse_height_error_m", ToJson(score.coarse_height_error)},
+          {"num_regions", score.num_regions},
+          {"num_graded", score.num_graded},
+          {"num_duplicates", score.num_duplicates},
+          {"track_length", ToJson(score.track_length)}};
 }
 
 }  // namespace
@@ -225,14 +250,18 @@ Json WorldRecord(uint64_t seed,
       ScoreThings(scenario, run.evaluation.map, run.evaluation.hazards, offset);
   Json record{{"seed", seed},
               {"aircraft", scenario.aircraft.profile},
+              {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
               {"num_frames", scenario.frames.size()},
+              {"num_processed", run.num_processed},
+              {"frontend_s", run.frontend_seconds},
               {"total_s", run.total_seconds},
               {"warnings", run.evaluation.warnings},
               {"poses", PosesJson(poses)},
               {"maps", MapsJson(maps)},
-              {"grass", ToJson(ScoreRegions(run, scenario))},
+              {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
               {"things", things.counts},
               {"missed_things", Json::array()},
+              {"map_shift_m", Place(offset.shift)},
               {"sites", Json::array()},
               {"fields", Json::array()},
               {"regions", Json::array()}};
