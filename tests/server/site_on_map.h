@@ -9,8 +9,8 @@ namespace freelsd {
 // A map of the site's flight with these rasters, about the site's origin and photographed when the
 // site says; not in force. No frame shows it.
 FlightMapRow StageMapOf(Storage& storage, const SiteRow& site, const SiteMap& ground);
-// The site with that map, staged. It takes the place of former maps of the flight that show the same
-// ground, or on which the site lay, unless another site lies on them.
+// The site with that map, staged. It takes the place of former maps of the flight that show the
+// same ground, or on which the site lay, unless another site lies on them.
 EvaluationRows RowsOnMap(Storage& storage, SiteRow site, const SiteMap& ground);
 // In one commit, with the standings of other sites.
 void PutOnMap(Storage& storage,

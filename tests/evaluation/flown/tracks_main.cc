@@ -103,7 +103,9 @@ int main(int argc, char** argv) {
     CLI::App app("Judges tracks that were flown over a mosaic of seeded worlds");
     app.add_option("--side", arguments.side, "worlds along one side")->check(CLI::Range(1, 10));
     app.add_option("--seed", arguments.seed, "seed of the mosaic's first world");
-    app.add_option("--aircraft", arguments.aircraft, "profile that the sites are for; of a survey also both, by seed");
+    app.add_option("--aircraft",
+                   arguments.aircraft,
+                   "profile that the sites are for; of a survey also both, by seed");
     app.add_option("--survey", arguments.survey, "only send a flight over each world to this URL");
     app.add_option("--heights", arguments.heights, "write the true surface to this path");
     app.add_option("--cell", arguments.cell_size_m, "cell size of that surface, m")

@@ -5,8 +5,6 @@
 #include <memory>
 #include <random>
 #include <set>
-#include <thread>
-#include <tuple>
 
 #include <doctest/doctest.h>
 
@@ -31,11 +29,6 @@ constexpr int64_t kBegin = 1600000000000000;
 constexpr BoundingBox kEverywhere{-180.0, -90.0, 180.0, 90.0};
 
 enum class Says { kHolds, kFails, kDoubts, kNothing };
-
-int NumSteps() {
-  const char* const given = std::getenv("FREELSD_MODEL_STEPS");
-  return given == nullptr ? kNumSteps : std::atoi(given);
-}
 
 // What a map of this ground says of a plan, by the list of grounds alone.
 Says OfPlan(Ground ground, bool is_strict_plan) {
@@ -95,9 +88,8 @@ class Model {
   void Delete(const std::string& id) { stored_.erase(id); }
   // True if a site of the flight was left.
   bool ForgetFlight(const std::string& flight_id) {
-    const auto is_of_flight = [&](const auto& each) { return each.second.flight_id == flight_id; };
-    std::erase_if(stored_, is_of_flight);
-    return std::erase_if(maps_, is_of_flight) > 0;
+    const auto is_of_it = [&](const auto& each) { return each.second.flight_id == flight_id; };
+    return std::erase_if(stored_, is_of_it) + std::erase_if(maps_, is_of_it) > 0;
   }
   bool IsEmpty() const { return stored_.empty(); }
   std::string Pick(size_t number) const {
@@ -206,9 +198,7 @@ std::set<std::string> RecalledIds(const Storage& storage) {
 std::set<std::string> IdsIn(httplib::Client& client, const std::string& path) {
   std::set<std::string> ids;
   const nlohmann::json collection = GetJson(client, path);
-  for (const nlohmann::json& feature : collection["features"]) {
-    ids.insert(feature["properties"]["id"]);
-  }
+  for (const auto& feature : collection["features"]) ids.insert(feature["properties"]["id"]);
   return ids;
 }
 
@@ -304,9 +294,8 @@ class Walk {
       const std::string& doubting = record->second.doubted_by;
       CHECK(site.value("doubted_by", "") == doubting);
       if (is_contested) CHECK(site["verdict"] == "rejected");
-      if (record->second.superseded_by.empty()) {
-        CHECK(site["verdict"] == (doubting.empty() ? "landable" : "unverified"));
-      }
+      const std::string verdict = doubting.empty() ? "landable" : "unverified";
+      if (record->second.superseded_by.empty()) CHECK(site["verdict"] == verdict);
       const auto file = client.Get("/v1/sites/" + record->first + "?f=csv");
       const bool is_superseded = !record->second.superseded_by.empty() && !is_contested;
       CHECK(file->status == (is_superseded ? 409 : 200));
@@ -397,7 +386,8 @@ class Walk {
 
 TEST_CASE("memory: random steps, and what is served is what a plain model serves") {
   Walk walk(20240611);
-  const int num_steps = NumSteps();
+  const char* const given = std::getenv("FREELSD_MODEL_STEPS");
+  const int num_steps = given == nullptr ? kNumSteps : std::atoi(given);
   for (int step = 0; step < num_steps; ++step) {
     INFO(step);
     walk.Step(step);
