@@ -27,7 +27,7 @@ def flat_tile():
     # Elevation, upper, deviation, points, slope, roughness, grass.
     planning = struct.pack("<i", 0) + b"".join(steps(n) for n in (0, 13, 13, 9, 0, 0, 251))
     display = bytes(cells) + bytes([9]) * cells + steps(1600)  # hazard, coverage, distance
-    return b"FLMT" + struct.pack("<I", 1) + part(planning) + part(display)
+    return b"FLMT" + struct.pack("<I", 2) + part(planning) + part(display) + part(b"")  # no cues
 
 
 def checksum(*values):
