@@ -80,8 +80,8 @@ for (const [name, options] of [['desk', desk], ['desk-dark', { ...desk, colorSch
     await unfold(page);
     assert.match(await page.locator('.likelihood').getAttribute('aria-label'), /5 photographs agree best at 460\.20 m/);
     assert.deepEqual(await page.locator('.cues tr').allInnerTexts().then((rows) => rows.map((row) => row.replace(/\s+/g, ' ').trim())),
-      ['fence ✕ denies grass', 'grass in the photographs ≥ +7.9', 'crop rows −1.5']);
-    assert.match(await page.locator('.answer').innerText(), /No objection: small object\.\s+Unknown: spray tracks\./);
+      ['fence ✕ denies grass', 'grass in the photographs ≥ +7.9', 'crop that looks like grass −1.5']);
+    assert.match(await page.locator('.answer').innerText(), /No objection: small object\.\s+Unknown: colour unlike its meadow\./);
     assert.match(await page.locator('.versions').innerText(), /Program\s+0\.1\.0\s+Grass model \(SHA-256\)\s+b4cc5bf82e25cbcd95f43996a5f1837d/);
     assert.ok(!(await page.locator('.versions').innerText()).includes('Digest'), 'only a site has a digest');
     assert.ok(await page.locator('.answer pre').isHidden(), 'options are folded away');
