@@ -64,8 +64,6 @@ struct Standing {
   std::string superseded_detail;
   // Time of the latest photographs of another map on which the plan holds.
   std::optional<int64_t> confirmed_at_us;
-  // False if the plan was not checked yet on later maps that others began to share.
-  bool is_checked = false;
 
   // The plan breaks a rule on a later map, which does not positively show that the ground changed.
   // Map, time, rule and sentence are those of the latest one that is later than confirmed_at_us.
@@ -201,8 +199,6 @@ class SiteStore {
   virtual std::vector<std::string> ListDependents(const std::string& site_id) const = 0;
   // Ids of sites whose standing depends on this map.
   virtual std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const = 0;
-  // Ids of accepted sites that were never checked on later maps.
-  virtual std::vector<std::string> ListUnchecked() const = 0;
   // Maps in force that may meet the box.
   virtual SharedRows<MapRow> ListMaps(const BoundingBox& box) const = 0;
   // Ids of sites with an approach, superseded ones and those of experiments included, whose map or

@@ -126,7 +126,7 @@ nlohmann::json BoxJson(const BoundingBox& box) {
 }
 
 nlohmann::json StandingJson(const Standing& standing) {
-  nlohmann::json json{{"is_checked", standing.is_checked}};
+  nlohmann::json json = nlohmann::json::object();
   if (standing.superseded_by) {
     json["superseded_by"] = *standing.superseded_by;
   }
@@ -150,7 +150,6 @@ void ReadCause(const Fields& fields, const std::string& what, Standing& standing
 
 Standing ParseStanding(const Fields& fields) {
   Standing standing;
-  standing.is_checked = fields.Flag("is_checked");
   if (fields.Find("superseded_by") != nullptr) {
     standing.superseded_by = fields.Text("superseded_by");
     ReadCause(fields, "superseded_", standing);

@@ -18,8 +18,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressPeriod{300};
 constexpr std::chrono::seconds kRetirePeriod{30};
-// Another server may have marked sites, as maps that others share now.
-constexpr std::chrono::minutes kListUncheckedPeriod{10};
 // Time between two events of a finish that waits, and the largest number of such jobs that have
 // events.
 constexpr std::chrono::seconds kWaitingPeriod{2};
@@ -144,12 +142,10 @@ bool Worker::IsReadyToFinish(const std::string& flight_id) const {
       ready.begin(), ready.end(), [&](const JobRow& job) { return job.flight_id == flight_id; });
 }
 
-// Evaluations and sites that are to be checked on later maps take turns.
 bool Worker::StepBackend() {
   // First, because it makes room on a full disk.
   RetireImages();
-  const bool has_checked = StepWithRoom(&Worker::CheckNextSite, backend_room_);
-  return StepWithRoom(&Worker::Evaluate, backend_room_) || has_checked;
+  return StepWithRoom(&Worker::Evaluate, backend_room_);
 }
 
 bool Worker::Evaluate() {
@@ -170,21 +166,6 @@ bool Worker::Evaluate() {
     RunFinish(*finish, *session);
     ReturnFreedMemory();
   }
-  return true;
-}
-
-bool Worker::CheckNextSite() {
-  const auto now = std::chrono::steady_clock::now();
-  if (!unchecked_listed_at_ || now - *unchecked_listed_at_ > kListUncheckedPeriod) {
-    unchecked_listed_at_ = now;
-    unchecked_sites_ = service_.storage.sites.ListUnchecked();
-  }
-  if (unchecked_sites_.empty()) return false;
-  const std::string site_id = unchecked_sites_.back();
-  // A site whose check fails is tried again when they are listed again.
-  unchecked_sites_.pop_back();
-  CheckUnchecked(service_.storage, service_.maps, site_id);
-  service_.alternates.WakeAll();
   return true;
 }
 

@@ -77,9 +77,6 @@ class Worker {
   bool StepBackend();
   // Evaluates one flight: for its finish, else its best regions. Flights take turns.
   bool Evaluate();
-  // Takes one site that is not checked yet, and checks it on later maps. False if no such site
-  // is left.
-  bool CheckNextSite();
   // Finish jobs that can run, because the frontend has processed all their frames. Oldest first.
   std::vector<JobRow> ReadyFinishes() const;
   bool IsReadyToFinish(const std::string& flight_id) const;
@@ -129,12 +126,9 @@ class Worker {
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
 
-  // The following four belong to the backend thread.
+  // The following two belong to the backend thread.
   std::chrono::steady_clock::time_point retired_at_{};
   std::chrono::steady_clock::time_point told_waiting_at_{};
-  // Sites that CheckNextSite still has to check, and when they were listed.
-  std::vector<std::string> unchecked_sites_;
-  std::optional<std::chrono::steady_clock::time_point> unchecked_listed_at_;
 
   std::thread frontend_thread_;
   std::thread backend_thread_;

@@ -48,7 +48,6 @@ class Checks {
   // Checks the site on all maps that will be stored.
   Standing StandingOf(const SiteRow& site) const {
     Standing standing;
-    standing.is_checked = true;
     const std::optional<StoredPlan> plan = ReadStoredPlan(site);
     if (!plan) return standing;
     for (const auto& row : stored_.storage.sites.ListMaps(BoxOf(*plan))) {
@@ -62,7 +61,7 @@ class Checks {
   Standing Renewed(const SiteRow& site) const {
     const std::optional<StoredPlan> plan = ReadStoredPlan(site);
     if (!plan) return site;
-    return site.is_checked ? OnNewMaps(site, site, *plan) : StandingOf(site);
+    return OnNewMaps(site, site, *plan);
   }
 
  private:
@@ -296,17 +295,6 @@ bool ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id
   }
   StoreEvaluation(storage, maps, *turn, std::move(rows));
   return true;
-}
-
-void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id) {
-  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
-  const std::optional<SiteRow> site = storage.sites.Find(site_id);
-  if (!site || site->is_checked) return;
-  const StoredSites stored{storage, maps};
-  const Change change;
-  const Standing standing = Checks(stored, change).StandingOf(*site);
-  turn->SetStandings({{site_id, standing}});
-  ReportAll(maps, {}, {{site_id, standing}});
 }
 
 }  // namespace freelsd

@@ -44,7 +44,4 @@ bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id);
 // depended on them are computed again. All of it is one commit. False if there is none of them.
 bool ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id);
 
-// Checks the site if it was not checked yet on later maps.
-void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id);
-
 }  // namespace freelsd

@@ -136,7 +136,6 @@ CREATE TABLE sites (
   superseded_reason text NOT NULL DEFAULT '',
   superseded_detail text NOT NULL DEFAULT '',
   confirmed_at_us bigint,
-  is_checked boolean NOT NULL DEFAULT false,
   -- What recall reads.
   is_recallable boolean NOT NULL,             -- false: rejected, or without terrain
   is_landable boolean NOT NULL,               -- false: unverified
@@ -154,7 +153,6 @@ CREATE INDEX sites_by_place ON sites USING gist (touchdown);
 CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE INDEX sites_superseded_by_map ON sites (superseded_by_map) WHERE superseded_by_map <> '';
 CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
-CREATE INDEX sites_unchecked ON sites (id) WHERE is_recallable AND NOT is_checked;
 CREATE INDEX sites_by_altitude ON sites (altitude_m) WHERE is_recallable;
 -- Which aircraft have sites is found by one search for each, not by reading all sites.
 CREATE INDEX sites_by_aircraft ON sites (aircraft_json COLLATE "C") WHERE is_recallable;

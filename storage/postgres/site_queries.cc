@@ -61,13 +61,13 @@ void PutSite(Database& writer, const SiteRow& site) {
       "feature_json, approach_json, replan_json, updated_at_us, seen_at_us, is_recallable, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, west_deg, south_deg, "
       "east_deg, north_deg, seen_until_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, "
-      "$12, $13, $14, $15, $16, $17, $18, $19, $20, $21, nullif($22, 0)) ON CONFLICT (id) DO "
+      "$12, $13, $14, $15, $16, $17, $18, $19, $20, $21, $22) ON CONFLICT (id) DO "
       "UPDATE SET flight_id = $2, "
       "region_id = $3, map_id = $4, latitude_deg = $5, longitude_deg = $6, feature_json = $7, "
       "approach_json = $8, replan_json = $9, updated_at_us = $10, seen_at_us = $11, "
       "is_recallable = $12, is_landable = $13, altitude_m = $14, altitude_datum = $15, "
       "score = $16, aircraft_json = $17, west_deg = $18, south_deg = $19, east_deg = $20, "
-      "north_deg = $21, seen_until_us = nullif($22, 0)",
+      "north_deg = $21, seen_until_us = $22",
       site.id,
       site.flight_id,
       site.region_id,
@@ -89,7 +89,7 @@ void PutSite(Database& writer, const SiteRow& site) {
       box.south_deg,
       box.east_deg,
       box.north_deg,
-      site.seen_until_us.value_or(0));
+      site.seen_until_us);
   PutArea(PostgresOf(writer), "site", site.id, box);
   PutStandings(writer, {{site.id, site}});
 }
@@ -164,7 +164,7 @@ BoxCache<RecallRow>::Rows SelectRecallRows(Database& database, const BoundingBox
              "seen_at_us, confirmed_at_us, is_landable, altitude_m, altitude_datum, score, "
              "aircraft_json, west_deg, south_deg, east_deg, north_deg, seen_until_us, "
              "superseded_by, superseded_at_us, superseded_reason, superseded_detail, "
-             "confirmed_at_us, is_checked, superseded_by_map FROM sites "
+             "confirmed_at_us, superseded_by_map FROM sites "
              "WHERE is_recallable AND superseded_by IS NULL AND id IN",
              "site",
              box)

@@ -93,7 +93,6 @@ CREATE TABLE sites (
   superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none; if superseded_by is NULL: a doubt
   superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
-  is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
   map_id TEXT NOT NULL,                      -- of maps; '': nothing was reconstructed
   superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, or the one that doubts; '' for none
   seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
@@ -102,7 +101,6 @@ CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
 CREATE INDEX sites_superseded_by_map ON sites (superseded_by_map) WHERE superseded_by_map <> '';
 CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
-CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 CREATE INDEX sites_by_flight ON sites (flight_id);
 CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
 

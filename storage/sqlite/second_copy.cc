@@ -42,10 +42,7 @@ std::map<std::string, SiteStamp> SiteStampsOf(Connection& connection) {
   const std::string sql =
       std::string("SELECT id, updated_at_us, ") + kStandingColumns + " FROM sites";
   connection.Select(sql, {}, [&stamps](const Row& row) {
-    Standing standing = StandingAt(row, 2);
-    // No change of its own: a restored site may be checked again.
-    standing.is_checked = true;
-    stamps.insert({row.Text(0), {row.Int(1), std::move(standing)}});
+    stamps.insert({row.Text(0), {row.Int(1), StandingAt(row, 2)}});
     return true;
   });
   return stamps;

@@ -88,10 +88,10 @@ void PutSiteRow(Database& writer, const SiteRow& site) {
   writer.Change(
       "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
       "approach_json, replan_json, updated_at_us, checksum, seen_at_us, map_id, seen_until_us) "
-      "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, nullif($13, 0)) ON CONFLICT (id) "
+      "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13) ON CONFLICT (id) "
       "DO UPDATE SET flight_id = $2, region_id = $3, latitude_deg = $4, longitude_deg = $5, "
       "feature_json = $6, approach_json = $7, replan_json = $8, updated_at_us = $9, "
-      "checksum = $10, seen_at_us = $11, map_id = $12, seen_until_us = nullif($13, 0)",
+      "checksum = $10, seen_at_us = $11, map_id = $12, seen_until_us = $13",
       site.id,
       site.flight_id,
       site.region_id,
@@ -104,7 +104,7 @@ void PutSiteRow(Database& writer, const SiteRow& site) {
       ChecksumOf(site),
       site.seen_at_us,
       site.map_id,
-      site.seen_until_us.value_or(0));
+      site.seen_until_us);
 }
 
 void PutBox(Database& writer, const SiteRow& site) {

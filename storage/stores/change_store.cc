@@ -232,10 +232,10 @@ void SqlChangeStore::PutFollowState(const FollowState& state) {
   CheckThatItFollows();
   WriteChanges(access_, [&](Database& writer) {
     writer.Change("DELETE FROM follow_state");
-    writer.Change("INSERT INTO follow_state VALUES ($1, $2, nullif($3, 0))",
+    writer.Change("INSERT INTO follow_state VALUES ($1, $2, $3)",
                   state.followed,
                   state.next,
-                  state.in_step_at_us.value_or(0));
+                  state.in_step_at_us);
   });
 }
 

@@ -78,14 +78,14 @@ void PutMapRow(Database& writer, const FlightMapRow& map, bool is_in_force) {
                 map.updated_at_us,
                 map.seen_at_us,
                 is_in_force,
-                map.seen_until_us.value_or(0)};
+                map.seen_until_us};
   if (has_checksum) values.emplace_back(ChecksumOf(map));
   writer.Update(
       std::string("INSERT INTO maps (id, flight_id, number, head_json, altitude_datum, west_deg, "
                   "south_deg, east_deg, north_deg, updated_at_us, seen_at_us, is_in_force, "
                   "seen_until_us") +
           (has_checksum ? ", checksum" : "") +
-          ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, nullif($13, 0)" +
+          ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13" +
           (has_checksum ? ", $14)" : ")"),
       values);
 }

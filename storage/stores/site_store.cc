@@ -60,7 +60,7 @@ void SqlSiteTurn::PutRows(Writer& writer,
 
 const char* const kStandingColumns =
     "superseded_by, superseded_at_us, superseded_reason, superseded_detail, confirmed_at_us, "
-    "is_checked, superseded_by_map";
+    "superseded_by_map";
 
 Standing StandingAt(const Row& row, int first_column) {
   Standing standing;
@@ -69,8 +69,7 @@ Standing StandingAt(const Row& row, int first_column) {
   standing.superseded_reason = row.Text(first_column + 2);
   standing.superseded_detail = row.Text(first_column + 3);
   standing.confirmed_at_us = row.OptionalInt(first_column + 4);
-  standing.is_checked = row.Bool(first_column + 5);
-  standing.superseded_by_map = row.Text(first_column + 6);
+  standing.superseded_by_map = row.Text(first_column + 5);
   return standing;
 }
 
@@ -78,15 +77,14 @@ void PutStandings(Database& writer, const Standings& standings) {
   for (const auto& [id, standing] : standings) {
     writer.Change(
         "UPDATE sites SET superseded_by = nullif($2, ''), superseded_at_us = nullif($3, 0), "
-        "superseded_reason = $4, superseded_detail = $5, confirmed_at_us = nullif($6, 0), "
-        "is_checked = $7, superseded_by_map = $8 WHERE id = $1",
+        "superseded_reason = $4, superseded_detail = $5, confirmed_at_us = $6, "
+        "superseded_by_map = $7 WHERE id = $1",
         id,
         standing.superseded_by.value_or(""),
         standing.superseded_at_us,
         standing.superseded_reason,
         standing.superseded_detail,
-        standing.confirmed_at_us.value_or(0),
-        standing.is_checked,
+        standing.confirmed_at_us,
         standing.superseded_by_map);
   }
 }
@@ -101,7 +99,7 @@ BoundingBox BoxAt(const Row& row, int first_column) {
 const char* const kSiteColumns =
     "id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
     "replan_json, updated_at_us, seen_at_us, map_id, superseded_by, superseded_at_us, "
-    "superseded_reason, superseded_detail, confirmed_at_us, is_checked, superseded_by_map, "
+    "superseded_reason, superseded_detail, confirmed_at_us, superseded_by_map, "
     "seen_until_us";
 
 SiteRow SiteRowOf(const Row& row) {
@@ -118,7 +116,7 @@ SiteRow SiteRowOf(const Row& row) {
   site.seen_at_us = row.Int(9);
   site.map_id = row.Text(10);
   static_cast<Standing&>(site) = StandingAt(row, 11);
-  site.seen_until_us = row.OptionalInt(18);
+  site.seen_until_us = row.OptionalInt(17);
   return site;
 }
 
@@ -156,14 +154,6 @@ std::vector<std::string> SqlSiteStore::ListDependentsOfMap(const std::string& ma
         "SELECT id FROM sites WHERE superseded_by_map = $1 UNION SELECT id FROM sites "
         "WHERE confirmed_at_us = (SELECT seen_at_us FROM maps WHERE id = $1) ORDER BY id",
         map_id);
-  };
-  return access_.Read(list, Reading::kSites);
-}
-
-std::vector<std::string> SqlSiteStore::ListUnchecked() const {
-  const auto list = [&](Database& database) {
-    return database.Texts("SELECT sites.id FROM " + access_.dialect().recallable_sites +
-                          " WHERE is_recallable = true AND is_checked = false ORDER BY sites.id");
   };
   return access_.Read(list, Reading::kSites);
 }

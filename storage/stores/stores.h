@@ -275,7 +275,6 @@ class SqlSiteStore final : public SiteStore {
   uint64_t Version() const override { return access_.SitesVersion(); }
   std::vector<std::string> ListDependents(const std::string& site_id) const override;
   std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const override;
-  std::vector<std::string> ListUnchecked() const override;
   SharedRows<MapRow> ListMaps(const BoundingBox& box) const override;
   std::vector<std::string> ListAccepted(const BoundingBox& box) const override;
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const override;
@@ -310,7 +309,7 @@ class SqlSiteStore final : public SiteStore {
 
 // Columns of a site without recall and map_box, and the row that they give.
 extern const char* const kSiteColumns;
-constexpr int kNumSiteColumns = 19;
+constexpr int kNumSiteColumns = 18;
 SiteRow SiteRowOf(const Row& row);
 // Columns of a standing, among those of a site, and what they give.
 extern const char* const kStandingColumns;

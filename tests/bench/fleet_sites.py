@@ -62,12 +62,12 @@ CREATE TEMP TABLE spots AS SELECT 'many' || number AS flight, site + 1 AS region
     longitude + (site % 3 - 1) * {SPACING_M / METRES_PER_DEGREE} / cos(radians(latitude)) AS longitude
   FROM places, generate_series(0, {SITES_OF_MAP - 1}) AS site;
 INSERT INTO sites (id, flight_id, region_id, map_id, latitude_deg, longitude_deg, feature_json, approach_json, replan_json,
-    updated_at_us, seen_at_us, is_checked, is_recallable, is_landable, altitude_m, altitude_datum, score, aircraft_json,
+    updated_at_us, seen_at_us, is_recallable, is_landable, altitude_m, altitude_datum, score, aircraft_json,
     west_deg, south_deg, east_deg, north_deg)
   SELECT flight || '-r' || region, flight, region, flight || '/1', latitude, longitude, feature_json, approach_json,
     (replan_json::jsonb || jsonb_build_object('latitude_deg', latitude, 'longitude_deg', longitude, 'altitude_m', 450.0,
       'area_m2', {4 * HALF_FIELD_M**2}, 'footprint_m', '{footprint()}'::jsonb))::text,
-    updated_at_us, seen_at_us, true, true, true, 450.0, 'amsl', 0.8, aircraft_json,
+    updated_at_us, seen_at_us, true, true, 450.0, 'amsl', 0.8, aircraft_json,
     longitude - 0.0027, latitude - 0.0018, longitude + 0.0027, latitude + 0.0018 FROM spots, base;
 INSERT INTO site_areas SELECT id, 1, ST_MakeEnvelope(west_deg, south_deg, east_deg, north_deg, 4326) FROM sites
   WHERE flight_id LIKE 'many%';

@@ -48,7 +48,7 @@ def fill(database, centres, maps):
             replan["latitude_deg"], replan["longitude_deg"] = latitude, longitude
             site = dict(base, id=f"{row[1]}-r{number}", flight_id=row[1], region_id=number, latitude_deg=latitude,
                         longitude_deg=longitude, replan_json=json.dumps(replan), checksum=None, superseded_by=None,
-                        is_checked=1, map_id=row[0])
+                        map_id=row[0])
             many_sites.insert(database, "sites", list(site.values()))
             many_sites.insert(database, "site_numbers", [number, site["id"], 1, 1, 450.0, "amsl", 0.8, aircraft, None])
             many_sites.insert(database, "site_boxes", [number, longitude - 0.0027, longitude + 0.0027,

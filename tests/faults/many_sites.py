@@ -110,7 +110,7 @@ def fill_one(database, base, places, maps):
         replan["latitude_deg"], replan["longitude_deg"] = latitude, longitude
         row = dict(base, id=f"many-r{number}", flight_id="many", region_id=number,
                    latitude_deg=latitude, longitude_deg=longitude, replan_json=json.dumps(replan),
-                   checksum=None, superseded_by=None, is_checked=1, map_id=map_row[0])
+                   checksum=None, superseded_by=None, map_id=map_row[0])
         insert(database, "maps", map_row)
         for key in tile_keys():
             insert(database, "map_tiles", [map_row[0], *key, tile])

@@ -57,7 +57,6 @@ Standing SupersededBy(const std::string& site_id) {
   standing.superseded_at_us = 1600000000000000;
   standing.superseded_reason = std::string("approach_blocked");
   standing.superseded_detail = std::string("the final is blocked 30 m before touchdown");
-  standing.is_checked = true;
   return standing;
 }
 

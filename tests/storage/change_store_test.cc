@@ -49,7 +49,6 @@ TEST_CASE("changes: each subject has one row with its last change, in the order 
   Standing superseded;
   superseded.superseded_by = "f2";
   superseded.superseded_at_us = 5;
-  superseded.is_checked = true;
   Standing confirmed;
   confirmed.confirmed_at_us = 6;
   storage.sites.SetStandings({{"a", superseded}, {"b", confirmed}});

@@ -64,7 +64,6 @@ SiteRow AsRejected(SiteRow site, const Obstruction& obstruction, const std::stri
 // Nothing replaces the site, but the other map rejects it.
 SiteRow AsContested(SiteRow site) {
   const Standing standing = std::exchange(static_cast<Standing&>(site), Standing{});
-  site.is_checked = true;
   site.confirmed_at_us = standing.confirmed_at_us;
   return AsRejected(std::move(site),
                     {standing.superseded_reason,

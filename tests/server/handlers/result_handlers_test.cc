@@ -93,7 +93,6 @@ TEST_CASE("results: every list tells when the ground was photographed, never the
     SiteRow site = MeadowSite("amsl");
     site.seen_at_us = now_us - 9 * kDayUs;
     site.confirmed_at_us = now_us - 3 * kDayUs;
-    site.is_checked = true;
     // The age of the row is not the ground's.
     site.updated_at_us = now_us;
     PutOnMap(storage, site, Meadow());

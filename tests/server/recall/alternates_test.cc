@@ -320,11 +320,9 @@ TEST_CASE("alternates: new, changed and superseded sites count at once, also of 
   newer.id = std::string("g-r1");
   Standing superseded;
   superseded.superseded_by = std::string("g-r1");
-  superseded.is_checked = true;
   PutOnMap(storage, newer, Meadow(), {{"f-r1", superseded}});
   CHECK(ids() == std::vector<std::string>{"g-r1"});
   Standing free;
-  free.is_checked = true;
   storage.sites.Delete("g-r1", {{"f-r1", free}});
   CHECK(ids() == std::vector<std::string>{"f-r1"});
   storage.flights.Delete("x");
