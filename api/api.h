@@ -78,7 +78,8 @@ struct FlightRequest {
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
-// Of a stored `canonical_json`, with all of its options that this version has.
+// Of a stored `canonical_json`, with all of its options. One that this version does not have is an
+// error: whoever removes an option raises the numbers of the schemas.
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json);
 // The same request with this datum, as if the client had given it.
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);

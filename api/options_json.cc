@@ -153,9 +153,10 @@ ApiError RetiredOption(const std::string& option, const std::string& pointer) {
 void RefuseFormerOptions(ObjectReader& stages) {
   for (const auto& [stage, names] : kFormerOptions) {
     const nlohmann::json* const values = stages.Find(stage);
-    if (values == nullptr || !values->is_object()) continue;
+    if (values == nullptr) continue;
     const std::string pointer = stages.PointerTo(stage);
     if (names.empty()) throw RetiredOption(stage, pointer);
+    if (!values->is_object()) continue;
     ObjectReader fields(*values, pointer);
     for (const std::string& name : names) {
       if (fields.Find(name) != nullptr) {

@@ -132,7 +132,7 @@ tidy() {
   log="$(mktemp -p "$work")"
   if clang-tidy -p "$work" --quiet "$1" >"$log" 2>"$log.errors"; then return; fi
   if ! grep -E ': (error|warning): ' "$log" >>"$work/findings"; then
-    sed "s|^|$1: clang-tidy failed: |" "$log.errors" >>"$work/findings"
+    { echo "it ended without a finding"; cat "$log.errors"; } | sed "s|^|$1: clang-tidy failed: |" >>"$work/findings"
   fi
 }
 

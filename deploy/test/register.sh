@@ -12,16 +12,16 @@ autopilot        server/mavlink server/links server/handlers/links tests/autopil
 container        deploy/Dockerfile deploy/compose.yaml deploy/packages.txt tests/deploy/container.sh
 documents        README.md api deploy/README.md engine/README.md tests/deploy/documents.sh
 edges            server/following server/recall storage tests/deploy/edge.sh tests/server/following
-evaluation       engine tests/evaluation tests/synthetic
+evaluation       engine server/training tests/evaluation tests/synthetic
 faults           server storage tests/faults
 fleet-faults     server storage/postgres deploy/fleet.sh tests/faults
 freelsdctl       deploy/freelsdctl api server/handlers tests/deploy/freelsdctl.sh
-fuzz             api server/http server/intake tests/fuzz
+fuzz             api engine/classification server/http server/intake tests/fuzz
 lint             engine storage api server tests .clang-tidy
 manuals          deploy/*.1 deploy/*.8
-move             server/following server/sharing storage tests/deploy/move_to_postgresql.sh
+move             deploy/fleet.md server/following server/sharing storage tests/deploy/move_to_postgresql.sh
 nginx            deploy/nginx.conf server/http tests/deploy/nginx.sh
-package          CMakeLists.txt deploy/debian deploy/*.cmake deploy/*.service deploy/package.sh tests/deploy/package.sh
+package          CMakeLists.txt server/mavlink web deploy/debian deploy/*.cmake deploy/*.service deploy/package.sh tests/deploy/package.sh
 postgresql       storage server/sharing tests/deploy/postgresql.sh
 postgresql-tests storage server tests/storage tests/server
 roles            storage/postgres server/jobs server/sharing tests/deploy/roles.sh

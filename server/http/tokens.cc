@@ -12,7 +12,6 @@
 #include "api/api.h"
 #include "api/import/import.h"
 #include "server/config.h"
-#include "storage/storage.h"
 
 namespace freelsd {
 namespace {
@@ -66,6 +65,11 @@ TokenList TokenList::Read(const std::filesystem::path& file) {
   const nlohmann::json entries = ReadList(file);
   try {
     for (const nlohmann::json& entry : entries) {
+      for (const auto& [key, value] : entry.items()) {
+        if (key == "sha256" || key == "scopes") continue;
+        throw ConfigError("token file: unknown key " + key +
+                          ": a token has sha256 and scopes only, which hold for all flights");
+      }
       Token token{entry.at("sha256").get<std::string>(), {}};
       if (!IsHash(token.sha256)) throw ConfigError("token file: sha256 must be 64 hex digits");
       for (const nlohmann::json& scope : entry.at("scopes")) {

@@ -106,6 +106,19 @@ std::optional<int64_t> DifferenceUs(std::vector<Chain> chains) {
   return is_lone ? std::max(told->least_delay_us, -kMaxClockErrorUs) : told->least_delay_us;
 }
 
+// Of a clock that was not set, the soonest sample tells it where no chain lasts.
+std::optional<int64_t> UnsetDifferenceUs(std::vector<ArrivedSample> arrivals) {
+  std::erase_if(arrivals,
+                [](const ArrivedSample& a) { return a.timestamp_us >= kFirstPlausibleUs; });
+  const std::vector<Chain> chains = ChainsOf(std::move(arrivals));
+  if (const std::optional<int64_t> difference_us = DifferenceUs(chains)) return difference_us;
+  const auto soonest =
+      std::min_element(chains.begin(), chains.end(), [](const auto& a, const auto& b) {
+        return a.least_delay_us < b.least_delay_us;
+      });
+  return soonest == chains.end() ? std::nullopt : std::optional(soonest->least_delay_us);
+}
+
 int64_t SinceBootUs() {
   timespec now{};
   ::clock_gettime(CLOCK_BOOTTIME, &now);
@@ -128,20 +141,22 @@ std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us) {
 }
 
 FlightClock::FlightClock(std::vector<ArrivedSample> arrivals)
-    : difference_us_(DifferenceUs(ChainsOf(std::move(arrivals)))) {}
+    : difference_us_(DifferenceUs(ChainsOf(arrivals))),
+      unset_difference_us_(UnsetDifferenceUs(std::move(arrivals))) {}
 
 std::optional<double> FlightClock::AgeS(const ArrivedSample& sample, int64_t now_us) const {
   const std::optional<double> since_arrival_s = freelsd::AgeS(sample.arrived_at_us, now_us);
   const std::optional<int64_t> delay_us = DelayUs(sample);
   if (!since_arrival_s || !delay_us || !difference_us_) return since_arrival_s;
-  if (IsOfAnotherDay(*difference_us_)) {
+  // A clock that was set is no longer where the aircraft's computer has started again.
+  const bool is_unset = sample.timestamp_us < kFirstPlausibleUs;
+  if (is_unset || IsOfAnotherDay(*difference_us_)) {
     // Only how much later than the others it arrived is known, unless it is of another clock.
-    const int64_t later_us = *delay_us - *difference_us_;
+    const int64_t later_us =
+        *delay_us - (is_unset ? unset_difference_us_.value_or(*delay_us) : *difference_us_);
     if (IsOfAnotherDay(later_us)) return since_arrival_s;
     return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, later_us)) * 1e-6;
   }
-  // A clock that was set is no longer: the aircraft's computer has started again.
-  if (sample.timestamp_us < kFirstPlausibleUs) return since_arrival_s;
   if (*delay_us < std::min<int64_t>(0, *difference_us_) - kMaxJitterUs) return std::nullopt;
   const int64_t error_us = *difference_us_ > kMaxClockErrorUs ? 0 : *difference_us_;
   return *since_arrival_s + static_cast<double>(std::max<int64_t>(0, *delay_us - error_us)) * 1e-6;

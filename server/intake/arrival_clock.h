@@ -44,6 +44,8 @@ class FlightClock {
  private:
   // Arrival minus own time of the samples that arrive soonest. Nothing: too few samples tell it.
   std::optional<int64_t> difference_us_;
+  // The same of samples whose clock was not set.
+  std::optional<int64_t> unset_difference_us_;
 };
 
 // A wind of another day does not blow now, even if it arrives now: it is as old as its own time

@@ -7,7 +7,7 @@ extern const char* const kPostgresSchemaSql;
 namespace freelsd {
 namespace {
 
-// Of schema.sql, in the table schema_migrations.
+// Of schema.sql and of stored JSON, in the table schema_migrations. It rises with each change.
 constexpr int64_t kSchemaNumber = 8;
 
 // 0: there is no schema.

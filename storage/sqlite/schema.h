@@ -5,7 +5,8 @@
 
 namespace freelsd {
 
-// Stored as user_version. Folders of another number are refused.
+// Stored as user_version. Folders of another number are refused. It rises with each change of
+// schema.sql and of stored JSON.
 constexpr int64_t kSchemaNumber = 12;
 
 // Stored as application_id beside user_version. Another program wrote the file only if both fields

@@ -151,6 +151,7 @@ TEST_CASE("flight: a field of the engine that is no option of a request is refus
   CHECK(ErrorWith("/options/wind", 3) == "422 InvalidValue /options/wind");
   CHECK(ErrorWith("/options/hazard", {{"cover_method", "rules"}}) ==
         "422 RetiredOption /options/hazard/cover_method");
+  CHECK(ErrorWith("/options/heights", 5) == "422 RetiredOption /options/heights");
   CHECK(ErrorWith("/options/heights", {{"method", "pairs"}}) ==
         "422 RetiredOption /options/heights");
   const nlohmann::json all = OptionsValuesJson(PipelineOptions{});

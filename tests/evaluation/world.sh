@@ -110,7 +110,7 @@ check_short_run() {
   done
   check flights "a site is false safe" '[.surveys[].counts.false_safe] | add == 0'
   check blind_places "a classifier with kinds swapped is not caught" \
-    '.pooled.auc < 0.5'
+    '.pooled.auc | . != null and . < 0.5'
 }
 
 for row in "${rows[@]}"; do

@@ -282,5 +282,21 @@ TEST_CASE("world and flight: Check names field, value and constraint") {
       flight.Check(), "flight.num_frames = 0: must be in [1, 100000]", std::invalid_argument);
 }
 
+TEST_CASE("things: none of them is landable ground, however small") {
+  const Aircraft aircraft = AircraftProfile("small").value();
+  World world = MakeMeadowPlane(SmallWorld(200.0, 0.25));
+  world.Put(Block{.center = {-40.0, 0.0}, .length_m = 2.1, .width_m = 0.8, .height_m = 1.4});
+  world.Put(Boulder{.center = {-20.0, 0.0}});
+  world.Dig(Ditch{.start = {0.0, -20.0}, .end = {0.0, 20.0}});
+  world.Build(Fence{.start = {20.0, -20.0}, .end = {20.0, 20.0}});
+  world.Plant(Tree{.center = {40.0, 0.0}, .is_leafless = true});
+  for (const double x : {-40.0, -20.0, 0.0, 20.0, 40.0}) {
+    CHECK(GroundFaultAt(world, aircraft, x, 0.0, 1.0) == GroundFault::kCover);
+    CHECK(GroundFaultAt(world, aircraft, x + 10.0, 0.0, 1.0) == GroundFault::kNone);
+  }
+  CHECK(world.SurfaceHeight(-40.0, 0.0) == doctest::Approx(1.4));
+  CHECK(world.SurfaceHeight(0.0, 0.0) < -0.5);
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -1,7 +1,7 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
-import { MavCmd, MavMissionType } from '../messages.js';
+import { MavCmd, MavMissionResult, MavMissionType } from '../messages.js';
 import { ardupilotItems, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
 import { LandingStart } from './landing_start.js';
 import { warningsOf } from './landing_warnings.js';
@@ -17,7 +17,6 @@ const recheck_s = 30;
 const reread_s = 10;
 // How often it is asked whether somebody writes: while a list is written, ArduPilot denies to tell its length.
 const probe_s = 1;
-const denied = 14;
 
 const alarmOf = {
   trouble: (why) => `it is not known which mission the autopilot has: ${why}`,
@@ -281,7 +280,7 @@ export class MissionKeeper {
 
   #onProbe(name, { missionType: type, type: code, count }) {
     if (type !== MavMissionType.MISSION || !this.#known?.site) return;
-    const isWriting = name === 'MISSION_ACK' && code === denied;
+    const isWriting = name === 'MISSION_ACK' && code === MavMissionResult.DENIED;
     if (isWriting || (name === 'MISSION_COUNT' && count !== this.#known.items.length)) this.#suspectOther('another ground station writes');
   }
 

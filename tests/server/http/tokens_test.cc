@@ -99,6 +99,10 @@ TEST_CASE("tokens: a file that others may read, or that is none, ends the start 
     std::ofstream(file) << text;
     CHECK_THROWS_AS(TokenList::Read(file), ConfigError);
   }
+  // Whoever limited a token in another way must not find that it sees all.
+  std::ofstream(file) << R"([{"sha256":")" << std::string(64, 'a')
+                      << R"(","scopes":["read"],"organisation":"north"}])";
+  CHECK_THROWS_WITH_AS(TokenList::Read(file), doctest::Contains("organisation"), ConfigError);
   CHECK_THROWS_AS(TokenList::Read(folder.path() / "none"), ConfigError);
 }
 

@@ -74,6 +74,16 @@ TEST_CASE("flight clock: times of another day, or of a clock that was never set,
   // So also where the clock was set until the aircraft's computer started again.
   CHECK(FlightClock(Live(-60, 0) + std::vector{never_set}).AgeS(never_set, kNowUs + kSecondUs) ==
         1.0);
+  // What a link kept since then is as much older as it comes later than what is live.
+  std::vector<ArrivedSample> restarted = Live(-60, 0);
+  for (int s = 1; s <= 20; ++s) restarted.push_back({(50 + s) * kSecondUs, kNowUs + s * kSecondUs});
+  const ArrivedSample live = restarted.back(), kept{30 * kSecondUs, live.arrived_at_us};
+  for (const bool is_chain : {true, false}) {
+    const FlightClock clock(is_chain ? restarted + std::vector{kept}
+                                     : Live(-60, 0) + std::vector{live, kept});
+    CHECK(clock.AgeS(live, live.arrived_at_us) == doctest::Approx(0.0));
+    CHECK(clock.AgeS(kept, live.arrived_at_us) == doctest::Approx(40.0));
+  }
   // Where the aircraft's clock is known to show this day, one of another day is old.
   CHECK(FlightClock(Live(-60, 0) + std::vector{two_days_ago}).AgeS(two_days_ago, kNowUs) ==
         doctest::Approx(2.0 * 86400.0).epsilon(1e-4));

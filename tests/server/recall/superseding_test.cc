@@ -248,32 +248,6 @@ TEST_CASE("memory: within a flight a new evaluation replaces what its old map sa
   CHECK(FieldServer({First(), own}).IsServed());
 }
 
-TEST_CASE("memory: sites that are not checked yet are checked once at the start of the server") {
-  const MeadowServer meadow([](Storage& storage) {
-    PutOnMap(storage, SiteOf(First()), MapOf(First()));
-    Flown neighbour = First();
-    neighbour.flight_id = "other";
-    neighbour.place = kPlace + 1;
-    SiteRow wrongly = SiteOf(neighbour);
-    const Flown later = Later(Ground::kTreeOnFinal);
-    PutOnMap(storage, SiteOf(later), MapOf(later));
-    wrongly.superseded_by = std::string("later-r1");
-    PutOnMap(storage, wrongly, MapOf(neighbour));
-  });
-  const auto is_superseded = [&meadow](const char* const id) {
-    return GetJson(*meadow.client, std::string("/v1/sites/") + id)["properties"].contains(
-        "superseded_by");
-  };
-  for (int i = 0; i < 500 && is_superseded("other-r1"); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  CHECK_FALSE(is_superseded("other-r1"));
-  for (int i = 0; i < 500 && !is_superseded("first-r1"); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  CHECK(is_superseded("first-r1"));
-}
-
 // What is stored of the first flight's site once both are.
 SiteRow After(const Flown& first, const Flown& later) {
   const TemporaryFolder folder;

@@ -12,7 +12,7 @@ HEAD_LINES = 40
 LINE_WIDTH = 110
 HEADERS = ("Location", "Allow", "Retry-After", "Content-Disposition")
 # Keys whose values are measured times.
-TIMED = ("stages",)
+TIMED = ("mean_ms",)
 
 
 class Ids:

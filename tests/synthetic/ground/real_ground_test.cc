@@ -99,6 +99,19 @@ TEST_CASE("real ground: north is up and east is right, as placed and turned") {
   CHECK(is_pool(WorldOf(pack, turned), {5.0 + pool.y(), -8.0 - pool.x()}));
 }
 
+TEST_CASE("real ground: slope, boulders and bushes of a lawn are not to land on") {
+  if (!HasData()) return;
+  const RealGround pack = ReadRealGround("brighton_beach");
+  const World world = WorldOf(pack);
+  CHECK(FaultAt(world, PlaceOf(pack, 420, 480)) == GroundFault::kNone);  // lawn
+  // Over 9 m it falls by 0.87 m eastwards and 0.97 m southwards: 8.3 degrees.
+  CHECK(FaultAt(world, PlaceOf(pack, 220, 620)) == GroundFault::kSteep);
+  CHECK(FaultAt(world, PlaceOf(pack, 226, 470)) == GroundFault::kCover);  // boulder
+  CHECK(FaultAt(world, PlaceOf(pack, 346, 420)) == GroundFault::kCover);  // bush
+  CHECK(FaultAt(world, PlaceOf(pack, 405, 615)) == GroundFault::kCover);  // pavilion
+  CHECK(FaultAt(world, PlaceOf(pack, 480, 420)) == GroundFault::kCover);  // road
+}
+
 TEST_CASE("real ground: every pack of the pools has outlines and windows") {
   for (const char* pack : {"honduras_pool",
                            "brighton_beach",
