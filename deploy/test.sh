@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what the tests need, builds what they use and runs them, from a bare Debian 12: at most 25 minutes on two
+# Installs what the tests need, builds what they use and runs them, from a bare Debian 12: about 28 minutes on two
 # cores.
 #
 #   deploy/test.sh                     what a user runs, and continuous integration

@@ -96,7 +96,6 @@ class ChangeStore {
   virtual std::vector<ChangeRow> ListUnknownAbove(size_t limit) const = 0;
   // Of those that have not changed since they had these numbers.
   virtual void SetKnownAbove(const std::vector<ChangeRow>& changes) = 0;
-  virtual void SetUnknownAbove(const std::vector<ChangeKey>& keys) = 0;
   // The followed server lost its memory: it knows nothing, but what had its own origin is gone.
   virtual void SetAllUnknownAbove(const std::string& except_origin) = 0;
   virtual std::optional<FollowState> FindFollowState() const = 0;

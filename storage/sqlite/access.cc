@@ -96,8 +96,13 @@ void StorageState::WriteWith(Writing what, Teller teller, const Act& act) {
     WriteUnseen(own, act);
   }
   for (const std::string& sha256 : own.retired_images) images.Remove(sha256);
-  for (const std::string& sha256 : own.unused_images) {
-    if (!IsImageNeeded(sha256)) images.Remove(sha256);
+  try {
+    for (const std::string& sha256 : own.unused_images) {
+      if (!IsImageNeeded(sha256)) images.Remove(sha256);
+    }
+  } catch (const StorageError& error) {
+    // It is stored all the same; the next start removes the images.
+    if (log) log(std::string("unused images were left: ") + error.what());
   }
 }
 

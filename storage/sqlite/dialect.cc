@@ -34,7 +34,7 @@ const SqlMapStore::Queries kSqliteMaps{[](Database&, const FlightMapRow&) {},
 
 Dialect SqliteDialect() {
   Dialect dialect;
-  // Rises with each row.
+  // Rises with each row; that of the newest row is given again after it is deleted.
   dialect.flight_number = "rowid";
   dialect.flight_in_use =
       "SELECT 1 FROM frames WHERE flight_id = $1 AND state = 0 "

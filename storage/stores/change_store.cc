@@ -197,17 +197,6 @@ void SqlChangeStore::SetKnownAbove(const std::vector<ChangeRow>& changes) {
   });
 }
 
-void SqlChangeStore::SetUnknownAbove(const std::vector<ChangeKey>& keys) {
-  CheckThatItFollows();
-  WriteChanges(access_, [&](Database& writer) {
-    for (const ChangeKey& key : keys) {
-      writer.Change("UPDATE changes SET is_known_above = false WHERE subject = $1 AND id = $2",
-                    SubjectOf(key),
-                    key.id);
-    }
-  });
-}
-
 void SqlChangeStore::SetAllUnknownAbove(const std::string& except_origin) {
   CheckThatItFollows();
   WriteChanges(access_, [&](Database& writer) {

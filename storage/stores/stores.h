@@ -176,7 +176,6 @@ class SqlChangeStore final : public ChangeStore {
   void ForgetRemoved(int64_t before_us) override;
   std::vector<ChangeRow> ListUnknownAbove(size_t limit) const override;
   void SetKnownAbove(const std::vector<ChangeRow>& changes) override;
-  void SetUnknownAbove(const std::vector<ChangeKey>& keys) override;
   void SetAllUnknownAbove(const std::string& except_origin) override;
   std::optional<FollowState> FindFollowState() const override;
   void PutFollowState(const FollowState& state) override;
