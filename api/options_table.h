@@ -61,6 +61,9 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
   visit("min_num_tie_matches", o.min_num_tie_matches);
   visit("min_ground_overlap_ratio", o.min_ground_overlap_ratio);
   visit("max_ground_error_ratio", o.max_ground_error_ratio);
+  visit("min_tie_overlap_ratio", o.min_tie_overlap_ratio);
+  visit("max_num_shared_points", o.max_num_shared_points);
+  visit("num_tie_points", o.num_tie_points);
   visit("max_alignment_shift_px", o.max_alignment_shift_px);
   visit("min_alignment_correlation", o.min_alignment_correlation);
   visit("assume_ground_plane", o.assume_ground_plane);
@@ -155,6 +158,8 @@ void VisitFields(Of<StereoOptions> auto& o, Visitor&& visit) {
   visit("max_baseline_ratio", o.max_baseline_ratio);
   visit("max_axis_angle_deg", o.max_axis_angle_deg);
   visit("num_partners", o.num_partners);
+  visit("num_pairs_per_place", o.num_pairs_per_place);
+  visit("min_needed_ratio", o.min_needed_ratio);
   visit("min_num_shared_landmarks", o.min_num_shared_landmarks);
   visit("relief_margin_m", o.relief_margin_m);
   visit("block_size_px", o.block_size_px);
@@ -177,6 +182,8 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
   visit("interpolation_radius_m", o.interpolation_radius_m);
   visit("min_num_points", o.min_num_points);
   visit("outlier_sigma", o.outlier_sigma);
+  visit("max_pair_disagreement_m", o.max_pair_disagreement_m);
+  visit("pair_agreement_sigma", o.pair_agreement_sigma);
   visit("upper_percentile", o.upper_percentile);
   visit("max_relief_m", o.max_relief_m);
   visit("max_num_cells", o.max_num_cells);

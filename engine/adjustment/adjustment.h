@@ -18,7 +18,8 @@ struct AdjustmentOptions {
   // A frame is not skipped if its baseline from the last key-frame is more than this share of its
   // height above ground. Differs: our corners are spread evenly over the image. With the paper's
   // rule alone, neighbouring key-frames overlap by only an eighth, which is too little for stereo.
-  double max_baseline_ratio = 0.3;
+  // With 0.3, ground at the ends of a strip is seen by one pair alone, which nothing checks.
+  double max_baseline_ratio = 0.2;
   // Width of the robust loss function (Cauchy).
   double robust_loss_px = 1.5;
   // Observations with a larger error after the first solve are dropped before the second.
@@ -99,6 +100,7 @@ struct Landmark {
   // Standard deviation of its height, metres, computed from ray geometry and pixel noise.
   double height_sd_m = 0.0;
   int num_views = 0;
+  int64_t track_id = 0;
 };
 
 struct AdjustedView {

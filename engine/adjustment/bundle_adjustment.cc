@@ -143,7 +143,8 @@ void FillLandmarks(const BlockState& state,
     }
     block.landmarks.push_back({track.point_in_world,
                                HeightDeviation(state, track, kPixelSd),
-                               static_cast<int>(num_views)});
+                               static_cast<int>(num_views),
+                               track.id});
   }
 }
 

@@ -139,6 +139,7 @@ std::vector<BlockTrack> CollectTracks(const std::vector<View>& views) {
   }
   std::vector<BlockTrack> tracks;
   for (auto& [id, track] : by_id) {
+    track.id = id;
     if (track.sightings.size() >= 2) tracks.push_back(std::move(track));
   }
   return tracks;

@@ -16,6 +16,7 @@ struct Sighting {
 };
 
 struct BlockTrack {
+  int64_t id = 0;
   std::vector<Sighting> sightings;  // by view, ascending
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
   bool has_point = false;

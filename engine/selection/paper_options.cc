@@ -21,6 +21,7 @@ TracksOptions PaperTracks() {
   options.max_num_match_partners = 0;
   options.max_num_predicted_corners = 0;
   options.min_ground_overlap_ratio = 1.0;
+  options.num_tie_points = 0;
   options.max_alignment_shift_px = 0.0;
   return options;
 }
@@ -79,6 +80,7 @@ AdjustmentOptions PaperAdjustment() {
 StereoOptions PaperStereo() {
   StereoOptions options;
   options.num_partners = 1;
+  options.num_pairs_per_place = 0;
   options.min_texture_grey = 0.0;
   options.min_correlation = 0.0;
   return options;

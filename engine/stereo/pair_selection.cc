@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <iterator>
+#include <tuple>
 #include <utility>
 
+#include "engine/stereo/place_counts.h"
 #include "engine/stereo/stereo.h"
 
 namespace freelsd {
@@ -46,30 +48,59 @@ std::optional<double> PairCost(const AdjustedView& a,
   return baseline_cost + epipolar_cost + viewing_cost + (1.0 - overlap);
 }
 
+bool IsCheaper(const StereoPair& a, const StereoPair& b) {
+  return std::tie(a.cost, a.left, a.right) < std::tie(b.cost, b.left, b.right);
+}
+
+// The cheapest pairs of each view.
+std::vector<StereoPair> PartnersOf(const std::vector<StereoPair>& by_cost,
+                                   size_t num_views,
+                                   int num_partners) {
+  std::vector<int> num_of(num_views, 0);
+  std::vector<StereoPair> partners;
+  for (const StereoPair& pair : by_cost) {
+    const bool is_wanted = num_of[pair.left] < num_partners || num_of[pair.right] < num_partners;
+    ++num_of[pair.left];
+    ++num_of[pair.right];
+    if (is_wanted) partners.push_back(pair);
+  }
+  return partners;
+}
+
 }  // namespace
 
 std::vector<StereoPair> SelectPairs(const AdjustedBlock& block, const StereoOptions& options) {
-  std::set<std::pair<size_t, size_t>> taken;
-  std::vector<StereoPair> pairs;
+  std::vector<StereoPair> candidates;
   for (size_t i = 0; i < block.views.size(); ++i) {
     if (!block.views[i].is_connected) continue;
-    std::vector<StereoPair> partners;
-    for (size_t j = 0; j < block.views.size(); ++j) {
-      if (j == i || !block.views[j].is_connected) continue;
+    for (size_t j = i + 1; j < block.views.size(); ++j) {
+      if (!block.views[j].is_connected) continue;
       if (const auto cost = PairCost(block.views[i], block.views[j], options)) {
-        partners.push_back({std::min(i, j), std::max(i, j), *cost});
+        candidates.push_back({i, j, *cost});
       }
     }
-    std::stable_sort(partners.begin(), partners.end(), [](const auto& a, const auto& b) {
-      return a.cost < b.cost;
-    });
-    partners.resize(std::min(partners.size(), static_cast<size_t>(options.num_partners)));
-    for (const StereoPair& pair : partners) {
-      if (taken.insert({pair.left, pair.right}).second) pairs.push_back(pair);
+  }
+  std::sort(candidates.begin(), candidates.end(), IsCheaper);
+  std::vector<StereoPair> pairs = PartnersOf(candidates, block.views.size(), options.num_partners);
+  if (options.num_pairs_per_place > 0) {
+    PlaceCounts counts(block);
+    for (const StereoPair& pair : pairs) counts.Add(pair);
+    std::vector<StereoPair> others;
+    std::set_difference(candidates.begin(),
+                        candidates.end(),
+                        pairs.begin(),
+                        pairs.end(),
+                        std::back_inserter(others),
+                        IsCheaper);
+    for (const StereoPair& pair : others) {
+      const double needed = counts.NeededRatio(pair, options.num_pairs_per_place);
+      if (needed <= 0.0 || needed < options.min_needed_ratio) continue;
+      counts.Add(pair);
+      pairs.push_back(pair);
     }
   }
   // Pairs of one view are consecutive, so that its image is read once.
-  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
     return a.left != b.left ? a.left < b.left : a.right < b.right;
   });
   return pairs;

@@ -56,6 +56,8 @@ void StereoOptions::Check() const {
                 max_axis_angle_deg,
                 "must be in (0, 90]");
   check.Inside("num_partners", num_partners, 1, 20);
+  check.Inside("num_pairs_per_place", num_pairs_per_place, 0, 20);
+  check.Inside("min_needed_ratio", min_needed_ratio, 0.0, 1.0);
   check.Require(min_num_shared_landmarks >= 1,
                 "min_num_shared_landmarks",
                 min_num_shared_landmarks,

@@ -18,9 +18,13 @@ struct StereoOptions {
   double max_baseline_ratio = 0.9;
   // Largest angle between the optical axes.
   double max_axis_angle_deg = 30.0;
-  // Pairs per view. Differs: the paper uses one. In survey photographs with little overlap, one
-  // pair leaves gaps.
-  int num_partners = 2;
+  // Each view is in its best num_partners pairs. Paper: one.
+  int num_partners = 1;
+  // Further pairs are taken, the best first, where fewer than this number of pairs show the ground,
+  // if that is so on at least min_needed_ratio of what a pair shows. Differs: the paper has one
+  // pair per view, whose heights nothing checks. 0: no further pairs.
+  int num_pairs_per_place = 4;
+  double min_needed_ratio = 0.05;
   // Least number of landmarks that the views of a pair share.
   int min_num_shared_landmarks = 8;
   // The range of disparities includes relief of this height above and below the sparse landmarks.
@@ -58,9 +62,10 @@ struct StereoPair {
   double cost = 0.0;
 };
 
-// For each connected view, selects the num_partners pairs with the least cost. No pair is returned
-// twice. The cost combines the baseline ratio, the baseline's component along the optical axes, the
-// angle between these axes, and missing overlap.
+// For each connected view, selects the num_partners pairs with the least cost, and further ones
+// until num_pairs_per_place pairs show each place. No pair is returned twice. The cost combines the
+// baseline ratio, the baseline's component along the optical axes, the angle between these axes,
+// and missing overlap.
 std::vector<StereoPair> SelectPairs(const AdjustedBlock& block, const StereoOptions& options);
 
 struct DensePoint {

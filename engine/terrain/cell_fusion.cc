@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
+#include <span>
 #include <tuple>
 
 namespace freelsd {
 namespace {
-
-// Ratio of standard deviation to median absolute deviation, normal distribution.
-constexpr double kSigmaPerMedianDeviation = 1.4826;
 
 void SortByValue(std::vector<CellSummary>& summaries) {
   std::sort(summaries.begin(), summaries.end(), [](const CellSummary& a, const CellSummary& b) {
@@ -27,31 +24,35 @@ void DropWeak(std::vector<CellSummary>& summaries, int min_num_points) {
   if (!std::all_of(summaries.begin(), summaries.end(), is_weak)) std::erase_if(summaries, is_weak);
 }
 
-struct Center {
-  double median = 0.0;
-  double spread = 0.0;
+// A run of the sorted summaries.
+struct Run {
+  size_t begin = 0;
+  size_t size = 0;
 };
 
-// An even number of pairs has its centre midway between the two middle ones. Then two contradicting
-// pairs are both far from it, and neither counts as the outlier.
-Center CenterOf(const std::vector<CellSummary>& sorted) {
-  const size_t low = (sorted.size() - 1) / 2, high = sorted.size() / 2;
-  Center center;
-  center.median = 0.5 * (sorted[low].mean + sorted[high].mean);
-  const auto deviation = [&](const CellSummary& summary) {
-    return std::abs(summary.mean - center.median);
-  };
-  if (sorted.size() <= 2) {
-    center.spread =
-        kSigmaPerMedianDeviation * 0.5 * (deviation(sorted.front()) + deviation(sorted.back()));
-    return center;
+double Width(const std::vector<CellSummary>& sorted, const Run& run) {
+  return sorted[run.begin + run.size - 1].mean - sorted[run.begin].mean;
+}
+
+// The largest set of pairs whose means agree; the narrowest one of equal sets.
+Run LargestAgreement(const std::vector<CellSummary>& sorted, double tolerance_m, double sigma) {
+  Run best{0, 1};
+  for (size_t first = 0; first < sorted.size(); ++first) {
+    size_t end = first + 1;
+    while (end < sorted.size() &&
+           sorted[end].mean - sorted[first].mean <=
+               std::max(tolerance_m,
+                        sigma * std::hypot(sorted[first].standard_deviation,
+                                           sorted[end].standard_deviation))) {
+      ++end;
+    }
+    const Run run{first, end - first};
+    if (run.size > best.size ||
+        (run.size == best.size && Width(sorted, run) < Width(sorted, best))) {
+      best = run;
+    }
   }
-  std::vector<double> deviations;
-  deviations.reserve(sorted.size());
-  for (const CellSummary& summary : sorted) deviations.push_back(deviation(summary));
-  std::sort(deviations.begin(), deviations.end());
-  center.spread = kSigmaPerMedianDeviation * (0.5 * (deviations[low] + deviations[high]));
-  return center;
+  return best;
 }
 
 // Highest value that one pair saw with enough points, or that two pairs saw. Mismatches may
@@ -70,23 +71,31 @@ class UpperHeight {
   float firm_ = kLowest, first_ = kLowest, second_ = kLowest;
 };
 
-FusedCell WeightedMean(const std::vector<CellSummary>& inliers) {
-  double weights = 0.0, heights = 0.0;
+// Pairs of overlapping photographs share their errors: of n pairs, about (n + 1) / 2 are
+// independent.
+double NumIndependent(size_t num_pairs) { return 0.5 * (static_cast<double>(num_pairs) + 1.0); }
+// Two pairs cannot tell which of them is wrong.
+constexpr double kDeviationFactorOfTwo = 2.0;
+
+// Weighted mean of pairs that agree. Its deviation follows from what they differ by, but is at
+// least what they tell themselves.
+FusedCell FusedFrom(std::span<const CellSummary> pairs) {
+  double weights = 0.0, heights = 0.0, told = 0.0;
   FusedCell fused;
-  for (const CellSummary& summary : inliers) {
-    const double weight = 1.0 / std::pow(summary.standard_deviation, 2);
-    weights += weight;
-    heights += weight * (summary.mean - inliers.front().mean);
-    fused.num_points += summary.num_points;
+  for (const CellSummary& pair : pairs) {
+    const double variance = std::pow(pair.standard_deviation, 2);
+    weights += 1.0 / variance;
+    heights += (pair.mean - pairs.front().mean) / variance;
+    told += variance;
+    fused.num_points += pair.num_points;
   }
-  fused.elevation = inliers.front().mean + heights / weights;
-  double chi_squared = 0.0;
-  for (const CellSummary& summary : inliers) {
-    chi_squared += std::pow((summary.mean - fused.elevation) / summary.standard_deviation, 2);
-  }
-  // Pairs that disagree by more than their deviations allow widen the result (Birge 1932).
-  const double num_free = std::max<double>(1.0, static_cast<double>(inliers.size()) - 1.0);
-  fused.standard_deviation = std::sqrt(std::max(1.0, chi_squared / num_free) / weights);
+  fused.elevation = pairs.front().mean + heights / weights;
+  double spread = 0.0;
+  for (const CellSummary& pair : pairs) spread += std::pow(pair.mean - fused.elevation, 2);
+  const auto num = static_cast<double>(pairs.size());
+  const double of_one = std::max(spread / (num - 1.0), told / num);
+  fused.standard_deviation = std::sqrt(of_one / NumIndependent(pairs.size()));
+  if (pairs.size() == 2) fused.standard_deviation *= kDeviationFactorOfTwo;
   return fused;
 }
 
@@ -97,23 +106,16 @@ std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
   if (summaries.empty()) return std::nullopt;
   DropWeak(summaries, options.min_num_points);
   SortByValue(summaries);
-  const Center center = CenterOf(summaries);
-  const auto is_inlier = [&](const CellSummary& summary) {
-    const double deviation = std::hypot(center.spread, summary.standard_deviation);
-    return std::abs(summary.mean - center.median) <= options.outlier_sigma * deviation;
-  };
-  UpperHeight upper;
-  bool has_inlier = false;
-  for (const CellSummary& summary : summaries) {
-    const bool has_support = summary.num_points >= static_cast<uint32_t>(options.min_num_points);
-    const bool agrees = is_inlier(summary);
-    has_inlier = has_inlier || agrees;
-    if (agrees || has_support) upper.Add(summary);
-  }
-  if (has_inlier) std::erase_if(summaries, std::not_fn(is_inlier));
-  FusedCell fused = WeightedMean(summaries);
-  fused.upper = std::max(upper.Height(), fused.elevation);
+  const Run run =
+      LargestAgreement(summaries, options.max_pair_disagreement_m, options.pair_agreement_sigma);
+  const bool is_majority = 2 * run.size > summaries.size();
+  if (run.size < 2 || !is_majority) return std::nullopt;
+  FusedCell fused = FusedFrom(std::span(summaries).subspan(run.begin, run.size));
   if (fused.num_points < options.min_num_points) return std::nullopt;
+  // Of all pairs: those that see a thin thing are few.
+  UpperHeight upper;
+  for (const CellSummary& summary : summaries) upper.Add(summary);
+  fused.upper = std::max(upper.Height(), fused.elevation);
   return fused;
 }
 

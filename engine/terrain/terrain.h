@@ -55,9 +55,13 @@ struct TerrainOptions {
   // outlier among the landmarks could disturb dense ground.
   int min_num_points = 3;
   // A point is an outlier if it is farther than this many robust deviations from the median of its
-  // cell. A pair is an outlier if it is farther than this from the median of the cell's pairs.
-  // Differs: the paper takes the plain mean.
+  // pair's cell. Differs: the paper takes the plain mean.
   double outlier_sigma = 4.0;
+  // Two pairs agree on a height if they differ by at most this, or by at most pair_agreement_sigma
+  // deviations. The height of a cell is that on which most of its pairs agree. Without such a
+  // majority, and with one pair alone, the cell is unseen.
+  double max_pair_disagreement_m = 0.35;
+  double pair_agreement_sigma = 2.0;
   // For each pair, this percentile of the pair's points in a cell is taken. The upper height of the
   // cell is the highest of these values. At least min_num_points points of one pair must reach it,
   // or two points in each of two pairs. A single outlier therefore never sets it. A mean would hide
@@ -79,8 +83,8 @@ struct ElevationMap {
   // Upper height for clearance, >= elevation. Includes pairs that are outliers of elevation: a tree
   // is an obstacle even if most pairs see the ground through it.
   cv::Mat1f upper;
-  // Standard deviation of elevation, metres. It combines the errors of the points and their spread
-  // within each pair. It is increased where the pairs disagree by more than that.
+  // Standard deviation of elevation, metres: of what the agreeing pairs differ by, and at least
+  // what the errors of their points and the spread of these tell.
   cv::Mat1f standard_deviation;
   // Number of points that the elevation is computed from; NaN where unseen.
   cv::Mat1f num_points;

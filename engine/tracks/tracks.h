@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +66,12 @@ struct TracksOptions {
   double min_ground_overlap_ratio = 0.02;
   // Search radius of ground matching, as a share of the height. It covers pose errors and relief.
   double max_ground_error_ratio = 0.15;
+  // Views of one block whose footprints share more than this part of the smaller one, and which
+  // share fewer points than this, are tied to each other. At most num_tie_points of a view are
+  // followed into the other.
+  double min_tie_overlap_ratio = 0.2;
+  int max_num_shared_points = 30;
+  int num_tie_points = 80;
   // After the first adjustment, the sightings of a track are aligned at the photograph's full
   // resolution, if it is larger than matching_width_px. A sighting stays where it is if the
   // alignment moves it farther than this, in pixels of the full-size image, or if the patches are
@@ -136,6 +143,20 @@ std::vector<View> TieOnGround(std::vector<View> views,
                               const Camera& camera,
                               const ImageSource& images,
                               const TracksOptions& options);
+
+// World points of tracks, by track id.
+using TrackPoints = std::map<int64_t, Eigen::Vector3d>;
+
+// Continues tracks into every other view that shows their points, and returns all views. Pairs of
+// views whose footprints overlap and which share fewer than max_num_shared_points are tied: points
+// of one are followed from where the adjusted poses predict them in the other. This ties strips
+// along their whole length; `points` must be those of one block, in the frame of the poses. Holds
+// one reduced image per view in memory.
+std::vector<View> FollowIntoOverlaps(std::vector<View> views,
+                                     const TrackPoints& points,
+                                     const Camera& camera,
+                                     const ImageSource& images,
+                                     const TracksOptions& options);
 
 // Aligns the sightings of each track with its sighting nearest to the image centre, by the grey
 // values of the full-size photographs. Keypoints are found in reduced photographs, with an error of
