@@ -87,15 +87,21 @@ Json SettingsOf(const CampaignOptions& options) {
   Json settings{
       {"world_size_m", scenario.world_size_m},
       {"cell_size_m", scenario.cell_size_m},
-      {"num_frames", scenario.num_frames},
       {"height_m", scenario.height_m},
-      {"frame_spacing_m", scenario.frame_spacing_m},
       {"leg_spacing_m", scenario.leg_spacing_m},
       {"noise_scale", scenario.noise_scale},
       {"damaged_ratio", scenario.damaged_ratio},
       {"aircraft", scenario.aircraft},
       {"image_size", std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px)},
       {"threads", scenario.num_threads}};
+  if (scenario.frame_spacing_m) {
+    settings["frame_spacing_m"] = *scenario.frame_spacing_m;
+    settings["num_frames"] = scenario.num_frames.value_or(NumFramesAt(*scenario.frame_spacing_m));
+  } else {
+    settings["frame_spacing_m"] = "mix";
+    settings["num_frames"] = scenario.num_frames ? Json(*scenario.num_frames) : Json("by spacing");
+  }
+  if (options.is_heights_only) settings["heights_only"] = true;
   if (!scenario.takes_photographs) settings["on_truth"] = true;
   if (!options.blind.empty()) settings["blind"] = options.blind;
   if (!options.ablations.empty()) settings["ablations"] = options.ablations;
@@ -143,10 +149,63 @@ EngineRun RunOf(const CampaignOptions& campaign,
       {scenario.rig,
        scenario.frames,
        aircraft,
-       campaign.scenario.gives_wires ? WiresOf(scenario.world) : std::vector<HardObstacle>()},
+       campaign.scenario.gives_wires ? WiresOf(scenario.world) : std::vector<HardObstacle>(),
+       campaign.is_heights_only},
       options,
       classifier,
       progress);
+}
+
+struct TrueWorld {
+  uint64_t seed = 0;
+  const Scenario& scenario;
+  const TruthMap& truth;
+  // Empty if nothing is planned.
+  const Fields& fields;
+};
+
+EngineRun PlannedRun(const CampaignOptions& campaign,
+                     const Classifier& classifier,
+                     const TrueWorld& world,
+                     const Progress& progress) {
+  const auto& [seed, scenario, truth, fields] = world;
+  const ApproachOptions options = OptionsFor(campaign, scenario.aircraft).approach;
+  EngineRun run = campaign.scenario.takes_photographs
+                      ? RunOf(campaign, classifier, scenario, progress)
+                      : RunOnTruth(scenario, truth, fields, options);
+  if (const auto blinding = BlindingNamed(campaign.blind)) {
+    run = RunBlinded(scenario, truth, fields, run, *blinding, options);
+  }
+  progress(1.0, "approach");
+  return run;
+}
+
+Json PlannedRecord(const CampaignOptions& campaign,
+                   const Classifier& classifier,
+                   const TrueWorld& world,
+                   const Progress& progress) {
+  const auto& [seed, scenario, truth, fields] = world;
+  const EngineRun run = PlannedRun(campaign, classifier, world, progress);
+  const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
+  Json record = WorldRecord(seed, scenario, run, truth, fields, options);
+  if (campaign.blind == kEachBlinding) {
+    record["blinded"] = CountBlinded(scenario, truth, fields, run, options.approach, seed);
+  }
+  if (!campaign.ablations.empty()) {
+    record["ablations"] = CountAblations(
+        scenario, truth, fields, run, {campaign.ablations, campaign.engine_options}, seed);
+  }
+  return record;
+}
+
+Json RecordOf(const CampaignOptions& campaign,
+              const Classifier& classifier,
+              const TrueWorld& world,
+              const Progress& progress) {
+  if (!campaign.is_heights_only) return PlannedRecord(campaign, classifier, world, progress);
+  const EngineRun run = RunOf(campaign, classifier, world.scenario, progress);
+  progress(1.0, "hazards");
+  return HeightsRecord(world.seed, world.scenario, run, world.truth);
 }
 
 Json EvaluateWorld(const CampaignOptions& campaign,
@@ -160,30 +219,17 @@ Json EvaluateWorld(const CampaignOptions& campaign,
     progress(0.5 * done, "rendering");
   });
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
-  const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
+  const Fields fields = campaign.is_heights_only
+                            ? Fields()
+                            : FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
   stopwatch.Lap("truth");
-  const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
-  EngineRun run = campaign.scenario.takes_photographs
-                      ? RunOf(campaign,
-                              classifier,
-                              scenario,
-                              [&](double done, const std::string& stage) {
-                                stopwatch.Lap(stage == "frontend" ? stage : "backend");
-                                return progress(0.5 + 0.5 * done, stage);
-                              })
-                      : RunOnTruth(scenario, truth, fields, options.approach);
-  if (const auto blinding = BlindingNamed(campaign.blind)) {
-    run = RunBlinded(scenario, truth, fields, run, *blinding, options.approach);
-  }
-  stopwatch.Lap("backend");
-  Json record = WorldRecord(seed, scenario, run, truth, fields, options);
-  if (campaign.blind == kEachBlinding) {
-    record["blinded"] = CountBlinded(scenario, truth, fields, run, options.approach, seed);
-  }
-  if (!campaign.ablations.empty()) {
-    record["ablations"] = CountAblations(
-        scenario, truth, fields, run, {campaign.ablations, campaign.engine_options}, seed);
-  }
+  Json record = RecordOf(campaign,
+                         classifier,
+                         {seed, scenario, truth, fields},
+                         [&](double done, const std::string& stage) {
+                           stopwatch.Lap(stage == "frontend" ? stage : "backend");
+                           return progress(0.5 + 0.5 * done, stage);
+                         });
   stopwatch.Lap("scores");
   if (!scenario.ground.empty()) record["ground"] = scenario.ground;
   record["cpu_s"] = stopwatch.seconds();
@@ -191,16 +237,33 @@ Json EvaluateWorld(const CampaignOptions& campaign,
   return record;
 }
 
-std::string LineOf(const Json& record) {
+// Of one world.
+std::string HeightsLine(const Json& record) {
+  const Json& figures = record.at("heights").at("figures");
+  std::ostringstream line;
+  line << "heights " << figures.at("median_m") << " m median, " << figures.at("p95_m")
+       << " m 95 %, beyond 3 sd " << figures.at("beyond_3_sd_ratio") << ", unknown "
+       << figures.at("unknown_ratio");
+  return line.str();
+}
+
+std::string SafetyLine(const Json& record) {
   const Json report = MakeReport(Json::object(), Json::array({record}));
   const Json& safety = report.at("safety");
   std::ostringstream line;
-  line << "seed " << record.at("seed") << ", " << record.at("aircraft").get<std::string>() << ": "
-       << safety.at("num_landable_sites") << " landable, " << safety.at("num_unverified_sites")
+  line << safety.at("num_landable_sites") << " landable, " << safety.at("num_unverified_sites")
        << " unverified, " << safety.at("num_rejected_sites") << " rejected, "
        << safety.at("num_false_safe") << " false safe; " << safety.at("num_fields_found") << " of "
-       << safety.at("num_fields") << " fields found; engine "
-       << std::lround(record.at("total_s").get<double>()) << " s";
+       << safety.at("num_fields") << " fields found";
+  return line.str();
+}
+
+std::string LineOf(const Json& record) {
+  std::ostringstream line;
+  line << "seed " << record.at("seed") << ", " << record.at("aircraft").get<std::string>() << ", "
+       << record.at("spacing_m")
+       << " m apart: " << (record.contains("sites") ? SafetyLine(record) : HeightsLine(record))
+       << "; engine " << std::lround(record.at("total_s").get<double>()) << " s";
   return line.str();
 }
 
@@ -289,6 +352,11 @@ void CampaignOptions::Check() const {
   PoolOf(*this);
   if (!blind.empty() && blind != kEachBlinding && !BlindingNamed(blind)) {
     throw std::invalid_argument("--blind " + blind + ": no such blinding");
+  }
+  const bool is_plain = scenario.takes_photographs && blind.empty() && ablations.empty();
+  if (is_heights_only && !is_plain) {
+    throw std::invalid_argument(
+        "--heights-only plans nothing: not with --on-truth, --blind or --ablate");
   }
   if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");
   if (num_jobs > 1 && scenario.num_threads > 1) {

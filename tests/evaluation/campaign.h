@@ -26,6 +26,8 @@ struct CampaignOptions {
   std::string json;
   // Go on from that report: its seeds are not flown again.
   bool resumes = false;
+  // Ends with the map: its heights and poses are scored, nothing is planned.
+  bool is_heights_only = false;
   // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none. "each": the
   // run is scored as it is, and all of them are counted besides.
   std::string blind;

@@ -30,6 +30,12 @@ int CountProcessed(const std::vector<FrameResult>& results) {
 
 }  // namespace
 
+std::map<std::string, double> EngineRun::StageSeconds() const {
+  std::map<std::string, double> seconds;
+  for (const StageReport& report : evaluation.reports) seconds[report.stage] += report.seconds;
+  return seconds;
+}
+
 std::string ModelFileFor(const PipelineOptions& options) {
   const std::string folder = FREELSD_SOURCE_DIR "/engine/classification/";
   return folder + (options.preset == Preset::kPaper ? "paper_model.yml" : "grass_model.yml");
@@ -56,12 +62,15 @@ EngineRun RunEngine(const EngineInput& input,
   run.snapshot.obstacles = input.obstacles;
   for (const Candidate& each : run.snapshot.regions) run.regions.push_back(each.region);
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
+  PipelineOptions backend_options = options;
+  if (input.ends_with_map) backend_options.backend.max_num_map_sites = 0;
   run.evaluation =
       EvaluateSites(run.snapshot,
-                    {Graded(run.snapshot.regions), PhotographedArea(run.snapshot)},
+                    {input.ends_with_map ? std::vector<Candidate>() : Graded(run.snapshot.regions),
+                     PhotographedArea(run.snapshot)},
                     source,
                     input.aircraft,
-                    options,
+                    backend_options,
                     [&](double done, const std::string& stage) {
                       return progress(kFrontendShare + (1.0 - kFrontendShare) * done, stage);
                     });

@@ -1,6 +1,7 @@
 // Input: the frames of a flight. Output: everything the engine made of them, with what it cost.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct EngineRun {
   // Until the last frame was through the frontend, and until all sites were there.
   double frontend_seconds = 0.0;
   double total_seconds = 0.0;
+
+  // By stage, as the reports of the engine name them.
+  std::map<std::string, double> StageSeconds() const;
 };
 
 // What the engine gets of a flight. All must outlive it.
@@ -27,6 +31,8 @@ struct EngineInput {
   const Aircraft& aircraft;
   // What photographs do not show.
   std::vector<HardObstacle> obstacles = {};
+  // Nothing is planned: the run ends with the map.
+  bool ends_with_map = false;
 };
 
 // The classifier that the service uses with these options, from the sources.

@@ -1,6 +1,7 @@
 // freelsd-eval: the whole engine over seeded worlds whose truth is known; one table, and JSON.
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,7 @@ int Run(const Arguments& arguments) {
       arguments.model.empty() ? arguments.campaign.ModelFile() : arguments.model;
   const Json report = RunCampaign(arguments.campaign, Classifier::Parse(ReadTextFile(model)));
   std::cout << TableOf(report);
-  return StatusOf(arguments, report.at("safety"));
+  return report.contains("safety") ? StatusOf(arguments, report.at("safety")) : 0;
 }
 
 void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
@@ -63,8 +64,18 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
   app.add_flag("--give-wires",
                scenario.gives_wires,
                "give the planner the power lines, 2 m exact, as obstacles");
-  app.add_option("--frames", scenario.num_frames, "photographs per world")
+  app.add_option("--frames",
+                 scenario.num_frames,
+                 "photographs per world; by default 50 at 30 m, 72 at 13 m, 156 at 6 m")
       ->check(CLI::Range(3, 300));
+  app.add_option_function<std::string>(
+         "--spacing",
+         [&scenario](const std::string& spacing) {
+           scenario.frame_spacing_m =
+               spacing == "mix" ? std::nullopt : std::optional<double>(std::stod(spacing));
+         },
+         "metres between photographs; mix, the default, takes 6, 13 and 30 in turns")
+      ->check(CLI::Range(3.0, 100.0) | CLI::IsMember({"mix"}));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")
       ->check(CLI::Range(100.0, 1000.0));
   app.add_option(
@@ -101,6 +112,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
         campaign.engine_options = Json::parse(ReadTextFile(path));
       },
       "JSON file with options of the engine: {preset: name, stage: {field: value}}");
+  app.add_flag("--heights-only",
+               campaign.is_heights_only,
+               "end with the map: scores its heights and poses, plans nothing");
   std::vector<std::string> blindings = BlindingNames();
   blindings.emplace_back("each");
   app.add_option("--blind",
@@ -124,6 +138,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 int main(int argc, char** argv) {
   try {
     freelsd::Arguments arguments;
+    arguments.campaign.scenario.frame_spacing_m = std::nullopt;
     CLI::App app(
         "Scores the engine over seeded worlds whose truth is known. Status 3: a limit was passed.");
     freelsd::AddOptions(app, arguments);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/evaluation/ablation/ablation.h"
+#include "tests/evaluation/heights/height_totals.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/landing_risks.h"
 #include "tests/evaluation/scores/score_totals.h"
@@ -247,37 +248,50 @@ Json PoseTotals(const Json& records) {
           {"reprojection_after_px", RoundedNumber(after.Mean())}};
 }
 
-}  // namespace
-
-Json MakeReport(const Json& settings, const Json& records) {
-  double peak_mib = 0.0;
-  for (const Json& record : records) peak_mib = std::max(peak_mib, record.value("peak_mib", 0.0));
+// Mean over the worlds of seconds by name, and their sum.
+Json SecondsPerWorld(const Json& records, const char* key) {
   std::map<std::string, Sums> parts;
   for (const Json& record : records) {
-    if (!record.contains("cpu_s")) continue;
-    for (const auto& [part, seconds] : record.at("cpu_s").items()) {
+    if (!record.contains(key)) continue;
+    for (const auto& [part, seconds] : record.at(key).items()) {
       parts[part].Add(seconds.get<double>());
       parts["all"].Add(seconds.get<double>());
     }
   }
-  Json cpu = Json::object();
+  Json means = Json::object();
   for (const auto& [part, seconds] : parts) {
-    cpu[part] = RoundedNumber(seconds.sum / static_cast<double>(records.size()));
+    means[part] = RoundedNumber(seconds.sum / static_cast<double>(records.size()));
   }
-  return {{"settings", settings},
-          {"cpu_s_per_world", cpu},
-          {"safety", SafetyTotals(records)},
+  return means;
+}
+
+// What only runs have that plan.
+Json PlanTotals(const Json& records) {
+  return {{"safety", SafetyTotals(records)},
           {"flown", FlownTotals(records)},
           {"landing_risks", LandingRiskTotals(records)},
           {"found", FoundTotals(records)},
           {"things", ThingTotals(records)},
           {"blinded", BlindedTotals(records)},
           {"ablations", AblationTotals(records)},
-          {"maps", MapTotals(records)},
-          {"frontend", FrontendTotals(records)},
-          {"poses", PoseTotals(records)},
-          {"peak_memory_with_world_mib", RoundedNumber(peak_mib)},
-          {"worlds", records}};
+          {"frontend", FrontendTotals(records)}};
+}
+
+}  // namespace
+
+Json MakeReport(const Json& settings, const Json& records) {
+  double peak_mib = 0.0;
+  for (const Json& record : records) peak_mib = std::max(peak_mib, record.value("peak_mib", 0.0));
+  Json report{{"settings", settings},
+              {"cpu_s_per_world", SecondsPerWorld(records, "cpu_s")},
+              {"stage_s_per_world", SecondsPerWorld(records, "stage_s")},
+              {"maps", MapTotals(records)},
+              {"heights", HeightTotals(records)},
+              {"poses", PoseTotals(records)},
+              {"peak_memory_with_world_mib", RoundedNumber(peak_mib)},
+              {"worlds", records}};
+  if (!settings.value("heights_only", false)) report.update(PlanTotals(records));
+  return report;
 }
 
 }  // namespace freelsd

@@ -42,11 +42,6 @@ bool IsInsideOfKind(const TruthMap& truth, int row, int col) {
   return true;
 }
 
-bool IsOpenGround(Cover cover) {
-  return cover == Cover::kMeadow || cover == Cover::kStubble || cover == Cover::kSoil ||
-         cover == Cover::kGravel || cover == Cover::kRoad;
-}
-
 double TrueSlope(const World& world, const Eigen::Vector2d& place) {
   const double half = 0.5 * kSlopeSupportM;
   const double dx = world.GroundHeight(place.x() + half, place.y()) -

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -29,6 +30,21 @@ double AtMost(int64_t num_seen, int64_t num_tried, double rate) {
 
 void AddUp(std::vector<int64_t>& counts, const std::vector<int64_t>& others) {
   for (size_t i = 0; i < counts.size() && i < others.size(); ++i) counts[i] += others[i];
+}
+
+// Pairs of bin and count, without the empty bins.
+nlohmann::json SparseJson(const std::vector<int64_t>& counts) {
+  nlohmann::json json = nlohmann::json::array();
+  for (size_t bin = 0; bin < counts.size(); ++bin) {
+    if (counts[bin] > 0) json.push_back({bin, counts[bin]});
+  }
+  return json;
+}
+
+void ReadSparse(std::vector<int64_t>& counts, const nlohmann::json& json) {
+  for (const auto& entry : json) {
+    counts.at(entry.at(0).get<size_t>()) = entry.at(1).get<int64_t>();
+  }
 }
 
 }  // namespace
@@ -79,19 +95,43 @@ double LogHistogram::Percentile(double percent) const {
   return kNan;
 }
 
-nlohmann::json LogHistogram::ToJson() const {
-  nlohmann::json json = nlohmann::json::array();
-  for (size_t bin = 0; bin < counts_.size(); ++bin) {
-    if (counts_[bin] > 0) json.push_back({bin, counts_[bin]});
-  }
-  return json;
-}
+nlohmann::json LogHistogram::ToJson() const { return SparseJson(counts_); }
 
 LogHistogram LogHistogram::FromJson(const nlohmann::json& json) {
   LogHistogram histogram;
-  for (const auto& entry : json) {
-    histogram.counts_.at(entry.at(0).get<size_t>()) = entry.at(1).get<int64_t>();
+  ReadSparse(histogram.counts_, json);
+  return histogram;
+}
+
+void FineHistogram::Add(double value) {
+  if (!std::isfinite(value)) return;
+  ++counts_[static_cast<size_t>(std::clamp(value / kBin, 0.0, kNumBins - 1.0))];
+}
+
+void FineHistogram::Add(const FineHistogram& other) { AddUp(counts_, other.counts_); }
+
+int64_t FineHistogram::count() const {
+  return std::accumulate(counts_.begin(), counts_.end(), int64_t{0});
+}
+
+double FineHistogram::Percentile(double percent) const {
+  const double wanted = 0.01 * percent * static_cast<double>(count());
+  double so_far = 0.0;
+  for (size_t bin = 0; bin < counts_.size(); ++bin) {
+    const auto in_bin = static_cast<double>(counts_[bin]);
+    if (in_bin > 0.0 && so_far + in_bin >= wanted) {
+      return kBin * (static_cast<double>(bin) + std::max(0.0, wanted - so_far) / in_bin);
+    }
+    so_far += in_bin;
   }
+  return kNan;
+}
+
+nlohmann::json FineHistogram::ToJson() const { return SparseJson(counts_); }
+
+FineHistogram FineHistogram::FromJson(const nlohmann::json& json) {
+  FineHistogram histogram;
+  ReadSparse(histogram.counts_, json);
   return histogram;
 }
 

@@ -35,6 +35,26 @@ class LogHistogram {
   std::vector<int64_t> counts_ = std::vector<int64_t>(kNumBins, 0);
 };
 
+// Counts of sizes in bins of 5 mm up to 5 m: percentiles within a bin, whatever is added up.
+class FineHistogram {
+ public:
+  // Larger ones count as kLargest.
+  void Add(double value);
+  void Add(const FineHistogram& other);
+  int64_t count() const;
+  // NaN while empty. Even within a bin.
+  double Percentile(double percent) const;
+  nlohmann::json ToJson() const;
+  static FineHistogram FromJson(const nlohmann::json& json);
+
+  static constexpr double kBin = 0.005;
+  static constexpr double kLargest = 5.0;
+
+ private:
+  static constexpr int kNumBins = 1000;
+  std::vector<int64_t> counts_ = std::vector<int64_t>(kNumBins, 0);
+};
+
 // How often a binary class was given each probability.
 struct RocCounts {
   static constexpr int kNumBins = 51;

@@ -20,6 +20,8 @@ namespace {
 constexpr uint64_t kWindPurpose = 501;
 constexpr uint64_t kDamagePurpose = 502;
 constexpr uint64_t kTurnRatePurpose = 503;
+constexpr uint64_t kSpacingPurpose = 504;
+constexpr int kMaxNumFrames = 300;
 // Real ground rises: the aircraft stays this far above all that it flies over.
 constexpr double kLeastHeightM = 60.0;
 // From the middle of the world to the ends of the legs, and a bit.
@@ -106,10 +108,11 @@ cv::Mat1b SeenGround(const Scenario& scenario) {
 FlightOptions FlightFor(uint64_t seed, const ScenarioOptions& options) {
   FlightOptions flight;
   flight.seed = seed;
-  flight.num_frames = options.num_frames;
+  const double spacing_m = SpacingFor(seed, options);
+  flight.num_frames = options.num_frames.value_or(NumFramesAt(spacing_m));
   flight.height_above_origin_m = options.height_m;
   flight.leg_spacing_m = options.leg_spacing_m;
-  flight.frame_period_s = options.frame_spacing_m / flight.airspeed_mps;
+  flight.frame_period_s = spacing_m / flight.airspeed_mps;
   flight.noise_scale = options.noise_scale;
   return flight;
 }
@@ -209,9 +212,13 @@ std::string ProfileFor(uint64_t seed, const ScenarioOptions& options) {
 }  // namespace
 
 void ScenarioOptions::Check() const {
-  if (num_frames < 3 || num_frames > 300) {
-    throw std::invalid_argument("scenario.num_frames = " + std::to_string(num_frames) +
+  if (num_frames && (*num_frames < 3 || *num_frames > kMaxNumFrames)) {
+    throw std::invalid_argument("scenario.num_frames = " + std::to_string(*num_frames) +
                                 ": must be in [3, 300]");
+  }
+  if (frame_spacing_m && !(*frame_spacing_m >= 3.0 && *frame_spacing_m <= 100.0)) {
+    throw std::invalid_argument("scenario.frame_spacing_m = " + std::to_string(*frame_spacing_m) +
+                                ": must be in [3, 100]");
   }
   if (!(damaged_ratio >= 0.0 && damaged_ratio <= 1.0)) {
     throw std::invalid_argument("scenario.damaged_ratio = " + std::to_string(damaged_ratio) +
@@ -227,6 +234,23 @@ void ScenarioOptions::Check() const {
   if (aircraft != "both" && !AircraftProfile(aircraft)) {
     throw std::invalid_argument("scenario.aircraft = " + aircraft + ": must be both or a profile");
   }
+}
+
+double SpacingFor(uint64_t seed, const ScenarioOptions& options) {
+  if (options.frame_spacing_m) return *options.frame_spacing_m;
+  // Three seeds of each parity are flown at the three spacings, in an order of their own.
+  constexpr size_t kNum = kSpacingsM.size();
+  std::array<double, kNum> spacings = kSpacingsM;
+  const uint64_t order = MixSeed(2 * (seed / (2 * kNum)) + seed % 2, kSpacingPurpose);
+  std::swap(spacings[0], spacings[order % kNum]);
+  std::swap(spacings[1], spacings[1 + order / kNum % (kNum - 1)]);
+  return spacings[seed / 2 % kNum];
+}
+
+int NumFramesAt(double spacing_m) {
+  // Metres of legs: a survey covers more.
+  const double flown_m = spacing_m >= 20.0 ? 1500.0 : 936.0;
+  return std::clamp(static_cast<int>(std::lround(flown_m / spacing_m)), 3, kMaxNumFrames);
 }
 
 Rigid3d Scenario::TrueWorldFromCamera(size_t exposure) const {
@@ -246,6 +270,7 @@ Scenario MakeScenario(uint64_t seed,
   MakeWorld(seed, options, scenario);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
   scenario.rig = PaperRig();
+  scenario.frame_spacing_m = SpacingFor(seed, options);
   FlightOptions flight = FlightFor(seed, options);
   if (!options.ground.empty()) {
     flight.height_above_origin_m =

@@ -2,7 +2,9 @@
 // them.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,10 +29,13 @@ struct ScenarioOptions {
   std::string texture = "painted";
   // "plain", or "recorded": light, air and camera as recorded flights show them.
   std::string conditions = "plain";
-  int num_frames = 50;
+  // Nothing: as many as cover the ground that a spacing is flown over (NumFramesAt).
+  std::optional<int> num_frames;
   double height_m = 100.0;
-  // 0.71 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
-  double frame_spacing_m = 30.0;
+  // Between two photographs. 30 m is an overlap of 0.71 along the track, for the paper's
+  // down-looking camera; beside it the legs overlap by 0.63. Nothing: one of kSpacingsM
+  // (SpacingFor).
+  std::optional<double> frame_spacing_m = 30.0;
   double leg_spacing_m = 60.0;
   double noise_scale = 1.0;
   // Share of the photographs that are damaged: half black, burnt out, smeared, or another's.
@@ -47,12 +52,22 @@ struct ScenarioOptions {
   void Check() const;
 };
 
+// Spacings that cameras have: a photograph in half a second, in a second, and a survey's.
+constexpr std::array<double, 3> kSpacingsM{6.0, 13.0, 30.0};
+// Metres. Mixed spacings go hand in hand with neither aircraft nor window of real ground: of six
+// seeds from a multiple of six, each spacing is flown by both aircraft.
+double SpacingFor(uint64_t seed, const ScenarioOptions& options);
+// The default number of photographs: 50 at 30 m, 72 at 13 m and 156 at 6 m.
+int NumFramesAt(double spacing_m);
+
 struct Scenario {
   World world;
   // Pack and window of real ground, "iquitos_pe/clearing"; "" for painted countryside.
   std::string ground;
   Aircraft aircraft;
   Rig rig;
+  // Metres between two photographs.
+  double frame_spacing_m = 0.0;
   std::vector<SyntheticExposure> exposures;
   // Same order as exposures; ids are the image names. Empty without photographs.
   std::vector<Frame> frames;

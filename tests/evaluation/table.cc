@@ -60,10 +60,7 @@ void WriteRows(std::ostringstream& out, const std::string& title, const Json& ro
   }
 }
 
-}  // namespace
-
-std::string TableOf(const Json& report) {
-  std::ostringstream out;
+void WritePlans(std::ostringstream& out, const Json& report) {
   WritePart(out, "safety", report.at("safety"));
   WriteRows(out,
             "sites, by what the ground at the touchdown truly is",
@@ -75,21 +72,49 @@ std::string TableOf(const Json& report) {
   WriteRows(out,
             "fields, by the share of disc, roll and final that was photographed",
             report.at("found").at("by_photographed_ratio"));
-  WritePart(out, "maps", report.at("maps"));
-  WriteRows(out, "things, by kind, width and height in metres", report.at("things"));
-  WriteRows(
-      out, "the map made wrong on purpose, planned on in the same places", report.at("blinded"));
-  WriteRows(out, "steps left out in turn", report.at("ablations"));
-  WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
-  WritePart(out, "frontend", report.at("frontend"));
-  WriteRows(
-      out, "pixels of the masks, by what they truly show", report.at("frontend").at("covers"));
-  WritePart(out, "poses", report.at("poses"));
-  std::string parts;
-  for (const auto& [part, seconds] : report.at("cpu_s_per_world").items()) {
-    parts += (parts.empty() ? "" : "; ") + part + " " + Text(seconds);
+}
+
+void WriteHeights(std::ostringstream& out, const Json& heights) {
+  if (heights.empty()) return;
+  WritePart(out, "heights of open ground that three photographs see", heights);
+  WriteRows(out, "heights, far from and near what is tall", heights.at("by_place"));
+  WriteRows(out, "heights, by the deviation that is told", heights.at("by_told_deviation"));
+  if (heights.at("by_spacing").size() > 1) {
+    WriteRows(out, "heights, by the spacing of the photographs", heights.at("by_spacing"));
   }
-  out << "processor seconds per world: " << parts << "\n";
+}
+
+void WriteSeconds(std::ostringstream& out, const std::string& title, const Json& seconds) {
+  std::string parts;
+  for (const auto& [part, value] : seconds.items()) {
+    parts += (parts.empty() ? "" : "; ") + part + " " + Text(value);
+  }
+  out << title << ": " << parts << "\n";
+}
+
+}  // namespace
+
+std::string TableOf(const Json& report) {
+  std::ostringstream out;
+  const bool has_plans = report.contains("safety");
+  if (has_plans) WritePlans(out, report);
+  WritePart(out, "maps", report.at("maps"));
+  WriteHeights(out, report.at("heights"));
+  if (has_plans) {
+    WriteRows(out, "things, by kind, width and height in metres", report.at("things"));
+    WriteRows(
+        out, "the map made wrong on purpose, planned on in the same places", report.at("blinded"));
+    WriteRows(out, "steps left out in turn", report.at("ablations"));
+  }
+  WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
+  if (has_plans) {
+    WritePart(out, "frontend", report.at("frontend"));
+    WriteRows(
+        out, "pixels of the masks, by what they truly show", report.at("frontend").at("covers"));
+  }
+  WritePart(out, "poses", report.at("poses"));
+  WriteSeconds(out, "processor seconds per world", report.at("cpu_s_per_world"));
+  WriteSeconds(out, "seconds per world, by stage", report.at("stage_s_per_world"));
   out << "peak memory, with the world: " << Text(report.at("peak_memory_with_world_mib"))
       << " MiB\n";
   return out.str();

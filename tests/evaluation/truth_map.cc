@@ -129,6 +129,11 @@ cv::Point TruthMap::CellAt(const Eigen::Vector2d& place) const {
   return {index(place.x()), index(place.y())};
 }
 
+bool IsOpenGround(Cover cover) {
+  return cover == Cover::kMeadow || cover == Cover::kStubble || cover == Cover::kSoil ||
+         cover == Cover::kGravel || cover == Cover::kRoad;
+}
+
 TruthMap MakeTruthMap(const World& world, const Aircraft& aircraft) {
   TruthMap truth;
   truth.size_m = world.size_m;

@@ -31,6 +31,9 @@ struct TruthMap {
 
 TruthMap MakeTruthMap(const World& world, const Aircraft& aircraft);
 
+// Ground that one sees from above and on which nothing grows high.
+bool IsOpenGround(Cover cover);
+
 // One connected piece of ground on which the touchdown disc fits, of at least the aircraft's least
 // area. Parcels do not matter: two meadows without a border are one field.
 struct Field {

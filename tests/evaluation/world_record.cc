@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "api/plan_json.h"
+#include "tests/evaluation/heights/height_totals.h"
 #include "tests/evaluation/scores/field_scores.h"
 #include "tests/evaluation/scores/flown_site.h"
 #include "tests/evaluation/scores/landing_risks.h"
@@ -234,7 +235,35 @@ Json FrontendJson(const FrontendScore& score) {
           {"track_length", ToJson(score.track_length)}};
 }
 
+Json HeadOf(uint64_t seed, const Scenario& scenario, const EngineRun& run) {
+  return {{"seed", seed},
+          {"aircraft", scenario.aircraft.profile},
+          {"spacing_m", scenario.frame_spacing_m},
+          {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
+          {"num_frames", scenario.frames.size()},
+          {"num_processed", run.num_processed},
+          {"frontend_s", run.frontend_seconds},
+          {"total_s", run.total_seconds},
+          {"stage_s", run.StageSeconds()},
+          {"warnings", run.evaluation.warnings}};
+}
+
+Json HeightsOf(const EngineRun& run, const Scenario& scenario, const TruthMap& truth) {
+  return HeightRecord(ScoreHeights(run.evaluation.map, run.evaluation.hazards, scenario, truth));
+}
+
 }  // namespace
+
+Json HeightsRecord(uint64_t seed,
+                   const Scenario& scenario,
+                   const EngineRun& run,
+                   const TruthMap& truth) {
+  Json record = HeadOf(seed, scenario, run);
+  record["poses"] = PosesJson(ScorePoses(run, scenario));
+  record["maps"] = MapsJson(ScoreMap(run, scenario, truth));
+  record["heights"] = HeightsOf(run, scenario, truth);
+  return record;
+}
 
 Json WorldRecord(uint64_t seed,
                  const Scenario& scenario,
@@ -248,23 +277,17 @@ Json WorldRecord(uint64_t seed,
       scenario.world, truth, run.evaluation.map, maps.detilted.plane, poses.shift.head<2>());
   const ThingScores things =
       ScoreThings(scenario, run.evaluation.map, run.evaluation.hazards, offset);
-  Json record{{"seed", seed},
-              {"aircraft", scenario.aircraft.profile},
-              {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
-              {"num_frames", scenario.frames.size()},
-              {"num_processed", run.num_processed},
-              {"frontend_s", run.frontend_seconds},
-              {"total_s", run.total_seconds},
-              {"warnings", run.evaluation.warnings},
-              {"poses", PosesJson(poses)},
-              {"maps", MapsJson(maps)},
-              {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
-              {"things", things.counts},
-              {"missed_things", Json::array()},
-              {"map_shift_m", Place(offset.shift)},
-              {"sites", Json::array()},
-              {"fields", Json::array()},
-              {"regions", Json::array()}};
+  Json record = HeadOf(seed, scenario, run);
+  record.update({{"poses", PosesJson(poses)},
+                 {"maps", MapsJson(maps)},
+                 {"heights", HeightsOf(run, scenario, truth)},
+                 {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
+                 {"things", things.counts},
+                 {"missed_things", Json::array()},
+                 {"map_shift_m", Place(offset.shift)},
+                 {"sites", Json::array()},
+                 {"fields", Json::array()},
+                 {"regions", Json::array()}});
   for (const auto& [name, middle] : things.missed) {
     record["missed_things"].push_back({name, Place(middle)});
   }

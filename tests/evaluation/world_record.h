@@ -10,6 +10,12 @@
 
 namespace freelsd {
 
+// Of a run that ends with its map: poses, maps, heights and seconds alone.
+nlohmann::json HeightsRecord(uint64_t seed,
+                             const Scenario& scenario,
+                             const EngineRun& run,
+                             const TruthMap& truth);
+
 // `options`: of the run; the planner is asked once more with them.
 nlohmann::json WorldRecord(uint64_t seed,
                            const Scenario& scenario,
