@@ -72,7 +72,7 @@ test_units() {
 # processor's rounding may cost one.
 test_worlds() {
   start_step "seeded worlds: no site that is false safe"
-  build/release/tests/freelsd-eval --worlds 6 --seed 1046 --jobs "$(nproc)" \
+  build/release/tests/freelsd-eval --worlds 6 --seed 1046 --spacing 30 --jobs "$(nproc)" \
     --max-false-safe 0 --min-found-ratio 0.5 | sed -n '1,/^sites, by what/p'
   passed
 }

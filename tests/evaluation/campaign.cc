@@ -14,6 +14,7 @@
 
 #include "api/flight_parts.h"
 #include "tests/evaluation/ablation/ablation.h"
+#include "tests/evaluation/given/given_run.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/blinding.h"
@@ -101,6 +102,7 @@ Json SettingsOf(const CampaignOptions& options) {
     settings["frame_spacing_m"] = "mix";
     settings["num_frames"] = scenario.num_frames ? Json(*scenario.num_frames) : Json("by spacing");
   }
+  if (!options.given.empty()) settings["given"] = options.given;
   if (options.is_heights_only) settings["heights_only"] = true;
   if (!scenario.takes_photographs) settings["on_truth"] = true;
   if (!options.blind.empty()) settings["blind"] = options.blind;
@@ -137,25 +139,6 @@ std::vector<HardObstacle> WiresOf(const World& world) {
   return wires;
 }
 
-EngineRun RunOf(const CampaignOptions& campaign,
-                const Classifier& classifier,
-                const Scenario& scenario,
-                const Progress& progress) {
-  const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
-  // It is judged with the aircraft as it is.
-  const Aircraft aircraft =
-      options.preset == Preset::kPaper ? PaperAircraft(scenario.aircraft) : scenario.aircraft;
-  return RunEngine(
-      {scenario.rig,
-       scenario.frames,
-       aircraft,
-       campaign.scenario.gives_wires ? WiresOf(scenario.world) : std::vector<HardObstacle>(),
-       campaign.is_heights_only},
-      options,
-      classifier,
-      progress);
-}
-
 struct TrueWorld {
   uint64_t seed = 0;
   const Scenario& scenario;
@@ -164,6 +147,28 @@ struct TrueWorld {
   const Fields& fields;
 };
 
+EngineRun RunOf(const CampaignOptions& campaign,
+                const Classifier& classifier,
+                const TrueWorld& world,
+                const Progress& progress) {
+  const Scenario& scenario = world.scenario;
+  const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
+  // It is judged with the aircraft as it is.
+  const Aircraft aircraft =
+      options.preset == Preset::kPaper ? PaperAircraft(scenario.aircraft) : scenario.aircraft;
+  const GivenTruth given{Given::Of(campaign.given), scenario, world.truth};
+  return RunEngine(
+      {scenario.rig,
+       scenario.frames,
+       aircraft,
+       campaign.scenario.gives_wires ? WiresOf(scenario.world) : std::vector<HardObstacle>(),
+       campaign.is_heights_only,
+       campaign.given.empty() ? EvaluateFlight() : EvaluateGiven(given, aircraft)},
+      options,
+      classifier,
+      progress);
+}
+
 EngineRun PlannedRun(const CampaignOptions& campaign,
                      const Classifier& classifier,
                      const TrueWorld& world,
@@ -171,7 +176,7 @@ EngineRun PlannedRun(const CampaignOptions& campaign,
   const auto& [seed, scenario, truth, fields] = world;
   const ApproachOptions options = OptionsFor(campaign, scenario.aircraft).approach;
   EngineRun run = campaign.scenario.takes_photographs
-                      ? RunOf(campaign, classifier, scenario, progress)
+                      ? RunOf(campaign, classifier, world, progress)
                       : RunOnTruth(scenario, truth, fields, options);
   if (const auto blinding = BlindingNamed(campaign.blind)) {
     run = RunBlinded(scenario, truth, fields, run, *blinding, options);
@@ -203,7 +208,7 @@ Json RecordOf(const CampaignOptions& campaign,
               const TrueWorld& world,
               const Progress& progress) {
   if (!campaign.is_heights_only) return PlannedRecord(campaign, classifier, world, progress);
-  const EngineRun run = RunOf(campaign, classifier, world.scenario, progress);
+  const EngineRun run = RunOf(campaign, classifier, world, progress);
   progress(1.0, "hazards");
   return HeightsRecord(world.seed, world.scenario, run, world.truth);
 }
@@ -352,6 +357,10 @@ void CampaignOptions::Check() const {
   PoolOf(*this);
   if (!blind.empty() && blind != kEachBlinding && !BlindingNamed(blind)) {
     throw std::invalid_argument("--blind " + blind + ": no such blinding");
+  }
+  Given::Of(given);
+  if (!given.empty() && !scenario.takes_photographs) {
+    throw std::invalid_argument("--on-truth is given everything: not with --given");
   }
   const bool is_plain = scenario.takes_photographs && blind.empty() && ablations.empty();
   if (is_heights_only && !is_plain) {

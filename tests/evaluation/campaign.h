@@ -28,6 +28,8 @@ struct CampaignOptions {
   bool resumes = false;
   // Ends with the map: its heights and poses are scored, nothing is planned.
   bool is_heights_only = false;
+  // What of the truth the engine is given (NamesOfGiven).
+  std::vector<std::string> given;
   // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none. "each": the
   // run is scored as it is, and all of them are counted besides.
   std::string blind;

@@ -62,18 +62,25 @@ EngineRun RunEngine(const EngineInput& input,
   run.snapshot.obstacles = input.obstacles;
   for (const Candidate& each : run.snapshot.regions) run.regions.push_back(each.region);
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
+  const EvaluateFlight as_ever = [&input](const Snapshot& snapshot,
+                                          const RegionGroup& group,
+                                          const ImageSource& source_of_images,
+                                          const PipelineOptions& with_options,
+                                          const Progress& tell) {
+    return EvaluateSites(snapshot, group, source_of_images, input.aircraft, with_options, tell);
+  };
+  const EvaluateFlight& evaluate = input.evaluate ? input.evaluate : as_ever;
   PipelineOptions backend_options = options;
   if (input.ends_with_map) backend_options.backend.max_num_map_sites = 0;
   run.evaluation =
-      EvaluateSites(run.snapshot,
-                    {input.ends_with_map ? std::vector<Candidate>() : Graded(run.snapshot.regions),
-                     PhotographedArea(run.snapshot)},
-                    source,
-                    input.aircraft,
-                    backend_options,
-                    [&](double done, const std::string& stage) {
-                      return progress(kFrontendShare + (1.0 - kFrontendShare) * done, stage);
-                    });
+      evaluate(run.snapshot,
+               {input.ends_with_map ? std::vector<Candidate>() : Graded(run.snapshot.regions),
+                PhotographedArea(run.snapshot)},
+               source,
+               backend_options,
+               [&](double done, const std::string& stage) {
+                 return progress(kFrontendShare + (1.0 - kFrontendShare) * done, stage);
+               });
   std::vector<StageReport> reports = frontend.TakeReports();
   run.evaluation.reports.insert(run.evaluation.reports.begin(), reports.begin(), reports.end());
   run.total_seconds = SecondsSince(start);

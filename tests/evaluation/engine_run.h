@@ -1,6 +1,7 @@
 // Input: the frames of a flight. Output: everything the engine made of them, with what it cost.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -24,6 +25,13 @@ struct EngineRun {
   std::map<std::string, double> StageSeconds() const;
 };
 
+// Makes the sites of a flight; may change what the frontend knew.
+using EvaluateFlight = std::function<Evaluation(Snapshot& snapshot,
+                                                const RegionGroup& group,
+                                                const ImageSource& images,
+                                                const PipelineOptions& options,
+                                                const Progress& progress)>;
+
 // What the engine gets of a flight. All must outlive it.
 struct EngineInput {
   const Rig& rig;
@@ -33,6 +41,8 @@ struct EngineInput {
   std::vector<HardObstacle> obstacles = {};
   // Nothing is planned: the run ends with the map.
   bool ends_with_map = false;
+  // Nothing: EvaluateSites.
+  EvaluateFlight evaluate = {};
 };
 
 // The classifier that the service uses with these options, from the sources.

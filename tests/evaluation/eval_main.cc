@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluation/campaign.h"
+#include "tests/evaluation/given/given_run.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/scores/blinding.h"
 
@@ -115,6 +116,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag("--heights-only",
                campaign.is_heights_only,
                "end with the map: scores its heights and poses, plans nothing");
+  app.add_option("--given",
+                 campaign.given,
+                 "what of the truth the engine is given: poses, kinds, heights, wind; several with "
+                 "commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember(NamesOfGiven()));
   std::vector<std::string> blindings = BlindingNames();
   blindings.emplace_back("each");
   app.add_option("--blind",

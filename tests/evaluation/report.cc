@@ -165,6 +165,25 @@ Json SafetyTotals(const Json& records) {
           {"time_to_first_site_s", RoundedNumber(seconds.Mean())}};
 }
 
+// The main counts alone.
+Json SafetyBySpacing(const Json& records) {
+  std::map<double, Json> by_spacing;
+  for (const Json& record : records) {
+    if (!record.contains("spacing_m")) continue;
+    Json& of_spacing = by_spacing[record.at("spacing_m").get<double>()];
+    of_spacing.push_back(record);
+  }
+  Json rows = Json::object();
+  for (const auto& [spacing_m, of_spacing] : by_spacing) {
+    const Json totals = SafetyTotals(of_spacing);
+    Json& row = rows[NameOfSpacing(spacing_m)];
+    for (const char* key : {"num_worlds", "num_fields", "num_fields_found", "num_false_safe"}) {
+      row[key] = totals.at(key);
+    }
+  }
+  return rows;
+}
+
 Json MapTotals(const Json& records) {
   Json kinds = Json::object();
   for (const auto& [kind, counts] : AddUpTriples(records, "maps", "hazard_of_kind")) {
@@ -268,6 +287,7 @@ Json SecondsPerWorld(const Json& records, const char* key) {
 // What only runs have that plan.
 Json PlanTotals(const Json& records) {
   return {{"safety", SafetyTotals(records)},
+          {"safety_by_spacing", SafetyBySpacing(records)},
           {"flown", FlownTotals(records)},
           {"landing_risks", LandingRiskTotals(records)},
           {"found", FoundTotals(records)},

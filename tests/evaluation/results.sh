@@ -77,7 +77,7 @@ make() {
       ;;
     frames)
       worlds frames "Painted worlds, half as many photographs" \
-        --seed 50000 --worlds "$num_in_noise" --frames 25
+        --seed 50000 --worlds "$num_in_noise" --spacing 30 --frames 25
       ;;
     flights)
       heading "Recorded flights" "tests/evaluation/flights.sh"

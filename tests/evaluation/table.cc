@@ -60,11 +60,20 @@ void WriteRows(std::ostringstream& out, const std::string& title, const Json& ro
   }
 }
 
+std::string Joined(const Json& names) {
+  std::string joined;
+  for (const Json& name : names) joined += (joined.empty() ? "" : ", ") + name.get<std::string>();
+  return joined;
+}
+
 void WritePlans(std::ostringstream& out, const Json& report) {
   WritePart(out, "safety", report.at("safety"));
   WriteRows(out,
             "sites, by what the ground at the touchdown truly is",
             report.at("safety").at("sites_by_ground"));
+  if (report.at("safety_by_spacing").size() > 1) {
+    WriteRows(out, "sites, by the spacing of the photographs", report.at("safety_by_spacing"));
+  }
   WritePart(out, "flown, 200 times to each accepted site", report.at("flown"));
   WriteRows(out, "landings drawn at random, by their expected risk", report.at("landing_risks"));
   WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
@@ -96,6 +105,8 @@ void WriteSeconds(std::ostringstream& out, const std::string& title, const Json&
 
 std::string TableOf(const Json& report) {
   std::ostringstream out;
+  const Json& settings = report.at("settings");
+  if (settings.contains("given")) out << "given: the true " << Joined(settings.at("given")) << "\n";
   const bool has_plans = report.contains("safety");
   if (has_plans) WritePlans(out, report);
   WritePart(out, "maps", report.at("maps"));

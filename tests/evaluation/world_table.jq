@@ -3,6 +3,7 @@
 # Output: the tables of "Right about the world", as Markdown.
 
 def percent: if . == null then "-" else (1000 * . | round / 10 | tostring) + " %" end;
+def thousandths: if . == null then "-" else (1000 * . | round / 1000 | tostring) end;
 def hundredths: if . == null then "-" else (100 * . | round / 100 | tostring) end;
 
 # Upper 95 % bound of a rate (Clopper-Pearson): the rate at which so few are seen in 1 of 20 runs.
@@ -122,6 +123,23 @@ def map_table:
    | row($name; [(.maps | .elevation_rmse_m, .elevation_rmse_unbiased_m, .elevation_rmse_detilted_m,
                   .local_noise_median_m, .local_noise_p90_m | hundredths), (.cpu_s_per_world.all | hundredths)]));
 
+def height_table:
+  "Open ground that three photographs see, without the plane that a world's errors have in common. "
+    + "The largest of the worlds is in brackets.",
+  "",
+  "| row | height error m, median | 95 % | beyond 3 told deviations | RMS beyond 3 m of tall things "
+    + "(with the plane) | steps between cells m, 99 % | unknown |",
+  "|---|---|---|---|---|---|---|",
+  (["painted", "textured", "ground"][] as $name | .[$name] | select(.) | .heights | select(.)
+   | row($name;
+         ["\(.median_m | thousandths) (\(.worlds_median_m.largest | thousandths))",
+          "\(.p95_m | thousandths) (\(.worlds_p95_m.largest | thousandths))",
+          "\(.beyond_3_sd_ratio | percent) (\(.worlds_beyond_3_sd_ratio.largest | percent))",
+          "\(.by_place["far, plane off"].rms_m | thousandths) "
+            + "(\(.by_place["far, shift off"].rms_m | thousandths))",
+          "\(.step_p99_m | thousandths) (\(.worlds_step_p99_m.largest | thousandths))",
+          "\(.unknown_ratio | percent) (\(.worlds_unknown_ratio.largest | percent))"]));
+
 def thing_table:
   ([.painted, .textured, .ground | select(.) | .things | to_entries[]]
    | group_by(.key) | map({key: .[0].key, value: (map(.value) | sum_of(.))})) as $things
@@ -136,4 +154,4 @@ def thing_table:
 group_table("by_photographed_ratio"; "share"), "",
 "### Mutations: engines blinded on purpose", "", blinding_table, "",
 "### The planner on maps without error", "", truth_table, "",
-"### Heights", "", map_table, "", "### Things on the ground", "", thing_table
+"### Heights", "", height_table, "", map_table, "", "### Things on the ground", "", thing_table

@@ -58,13 +58,6 @@ Json ToldFigures(const HeightScores& scores) {
   return bins;
 }
 
-// In the order of the numbers, as JSON sorts names.
-std::string NameOfSpacing(double spacing_m) {
-  std::ostringstream name;
-  name << std::setw(3) << spacing_m << " m apart";
-  return name.str();
-}
-
 // Median and largest of the worlds.
 Json OverWorlds(const std::vector<Json>& figures, const char* key) {
   std::vector<double> values;
@@ -105,6 +98,12 @@ Json HeightFigures(const HeightScores& scores) {
 
 Json HeightRecord(const HeightScores& scores) {
   return {{"figures", HeightFigures(scores)}, {"counts", ToJson(scores)}};
+}
+
+std::string NameOfSpacing(double spacing_m) {
+  std::ostringstream name;
+  name << std::setw(3) << spacing_m << " m apart";
+  return name.str();
 }
 
 Json HeightTotals(const Json& records) {

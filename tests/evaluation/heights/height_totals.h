@@ -1,6 +1,8 @@
 // Input: what worlds say of their heights. Output: figures of one world, and of all.
 #pragma once
 
+#include <string>
+
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluation/heights/height_scores.h"
@@ -13,6 +15,9 @@ nlohmann::json HeightFigures(const HeightScores& scores);
 
 // For a world's record: {figures, counts}.
 nlohmann::json HeightRecord(const HeightScores& scores);
+
+// A row of a table, in the order of the spacings: "  6 m apart".
+std::string NameOfSpacing(double spacing_m);
 
 // Pooled figures of all records, by_spacing, and of the main figures the median and the largest of
 // the worlds. Empty if no record has heights.
