@@ -93,6 +93,9 @@ part_move() {
 
 part_nginx() { tests/deploy/nginx.sh "$server" "$model"; }
 
+# All programs, linked by link-time optimization: it sees when two sources of one program define a name differently.
+part_odr() { build_without_warnings odr; }
+
 part_package() {
   deploy/package.sh
   tests/deploy/package.sh build/release/freelsd_*.deb ${FREELSD_CLEAN_ROOT:+--clean-root}

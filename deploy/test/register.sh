@@ -21,6 +21,7 @@ lint             engine storage api server tests .clang-tidy
 manuals          deploy/*.1 deploy/*.8
 move             deploy/fleet.md server/following server/sharing storage tests/deploy/move_to_postgresql.sh
 nginx            deploy/nginx.conf server/http tests/deploy/nginx.sh
+odr              engine storage api server tests CMakePresets.json
 package          CMakeLists.txt server/mavlink web deploy/debian deploy/*.cmake deploy/*.service deploy/package.sh tests/deploy/package.sh
 postgresql       storage server/sharing tests/deploy/postgresql.sh
 postgresql-tests storage server tests/storage tests/server

@@ -41,7 +41,7 @@ struct Correspondences {
 
 Correspondences TriangulateTargets(const AdjustedBlock& block,
                                    const Targets& targets,
-                                   const std::vector<Sighting>& sightings) {
+                                   const std::vector<TargetSighting>& sightings) {
   Correspondences result;
   for (const auto& [name, point_in_world] : PlacesOfTargets(block, sightings)) {
     const Eigen::Index i = result.in_world.cols();
@@ -117,8 +117,8 @@ Targets ReadTargets(const std::string& path) {
   return targets;
 }
 
-std::vector<Sighting> ReadSightings(const std::string& path) {
-  std::vector<Sighting> sightings;
+std::vector<TargetSighting> ReadSightings(const std::string& path) {
+  std::vector<TargetSighting> sightings;
   for (const auto& row : ReadTable(path)) {
     sightings.push_back({row[0], row[1], {std::stod(row[2]), std::stod(row[3])}});
   }
@@ -126,9 +126,9 @@ std::vector<Sighting> ReadSightings(const std::string& path) {
 }
 
 std::map<std::string, Eigen::Vector3d> PlacesOfTargets(const AdjustedBlock& block,
-                                                       const std::vector<Sighting>& sightings) {
+                                                       const std::vector<TargetSighting>& sightings) {
   std::map<std::string, std::vector<PosedRay>> rays;
-  for (const Sighting& sighting : sightings) {
+  for (const TargetSighting& sighting : sightings) {
     for (const size_t i : block.LargestGroup()) {
       const AdjustedView& view = block.views[i];
       if (view.frame_id != sighting.frame_id) continue;
@@ -180,7 +180,7 @@ GeoPoint GeoFromBritishGrid(const Eigen::Vector3d& target) {
 ControlErrors CompareWithTargets(const RecordedFlight& flight,
                                  const ElevationMap& map,
                                  const Targets& targets,
-                                 const std::vector<Sighting>& sightings) {
+                                 const std::vector<TargetSighting>& sightings) {
   const Correspondences points = TriangulateTargets(flight.block, targets, sightings);
   ControlErrors errors;
   errors.num_targets = static_cast<int>(points.names.size());

@@ -12,7 +12,7 @@ namespace freelsd {
 // Place in the British National Grid (EPSG:27700) and height above the sea, metres.
 using Targets = std::map<std::string, Eigen::Vector3d>;
 
-struct Sighting {
+struct TargetSighting {
   std::string frame_id;
   std::string target;
   Eigen::Vector2d point_in_image = Eigen::Vector2d::Zero();
@@ -21,11 +21,11 @@ struct Sighting {
 // Tables with a line of headings: name, easting, northing, height, ...; image, name, x, y. Throws
 // std::runtime_error when they cannot be read.
 Targets ReadTargets(const std::string& path);
-std::vector<Sighting> ReadSightings(const std::string& path);
+std::vector<TargetSighting> ReadSightings(const std::string& path);
 
 // Where the views of the largest group triangulate the targets that two or more of them show.
 std::map<std::string, Eigen::Vector3d> PlacesOfTargets(const AdjustedBlock& block,
-                                                       const std::vector<Sighting>& sightings);
+                                                       const std::vector<TargetSighting>& sightings);
 
 // WGS84 from the grid by the seven parameters of the Ordnance Survey: within about 2 m.
 GeoPoint GeoFromBritishGrid(const Eigen::Vector3d& target);
@@ -50,6 +50,6 @@ struct ControlErrors {
 ControlErrors CompareWithTargets(const RecordedFlight& flight,
                                  const ElevationMap& map,
                                  const Targets& targets,
-                                 const std::vector<Sighting>& sightings);
+                                 const std::vector<TargetSighting>& sightings);
 
 }  // namespace freelsd

@@ -75,9 +75,9 @@ void PrintControl(const std::string& name, const ControlErrors& errors) {
       errors.map_largest_m);
 }
 
-std::vector<Sighting> SightingsIn(const fs::path& folder) {
+std::vector<TargetSighting> SightingsIn(const fs::path& folder) {
   const fs::path sightings = folder / "ImageTargets_2000x1500.csv";
-  return fs::exists(sightings) ? ReadSightings(sightings.string()) : std::vector<Sighting>();
+  return fs::exists(sightings) ? ReadSightings(sightings.string()) : std::vector<TargetSighting>();
 }
 
 void Run(const std::vector<std::string>& folders, const std::string& model) {
