@@ -57,6 +57,9 @@ struct AdjustmentOptions {
   // its parameters. Otherwise it could bend the block.
   double exif_readout_s = 0.03;
   int max_num_iterations = 30;
+  // Relative change of the cost at which the solver stops in the last round. Not part of the
+  // service's options: evaluations vary it to measure how far a result depends on it.
+  double function_tolerance = 1e-4;
 
   // --- Priors ---
   // Prior deviations of attitudes that were estimated or corrected from matches. Tilt is about the

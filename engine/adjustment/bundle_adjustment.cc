@@ -23,10 +23,11 @@ constexpr double kMinParallaxDeg = 1.0;
 struct Round {
   double gate_factor;
   double loss_factor;
+  // That of the last round is AdjustmentOptions::function_tolerance.
   double function_tolerance;
 };
 constexpr std::array<Round, 4> kRounds{
-    {{1e3, 30.0, 1e-2}, {10.0, 6.0, 1e-2}, {2.5, 2.0, 1e-3}, {1.0, 1.0, 1e-4}}};
+    {{1e3, 30.0, 1e-2}, {10.0, 6.0, 1e-2}, {2.5, 2.0, 1e-3}, {1.0, 1.0, 0.0}}};
 // A start is poor if, in some view, half of the sightings have a larger error: the gate of the
 // second round would drop that view for good.
 constexpr double kPoorStartPx = 40.0;
@@ -92,10 +93,9 @@ std::optional<RoundsResult> SolveInRounds(const std::vector<View>& views,
       continue;
     }
     if (NumPoints(tracks) < kMinNumLandmarks) return std::nullopt;
-    const SolverSettings settings =
-        WithFirstTurns({round.loss_factor * options.robust_loss_px, round.function_tolerance},
-                       start.camera,
-                       options);
+    const double tolerance = is_last ? options.function_tolerance : round.function_tolerance;
+    const SolverSettings settings = WithFirstTurns(
+        {round.loss_factor * options.robust_loss_px, tolerance}, start.camera, options);
     const std::optional<SolvedBlock> solved =
         SolveBlock(views, start.camera, Restricted(state, settings), options, settings, tracks);
     if (!solved) return std::nullopt;
@@ -250,6 +250,10 @@ void AdjustmentOptions::Check() const {
                 "must be >= 3");
   CheckLensAndReadout(*this, check);
   check.Inside("max_num_iterations", max_num_iterations, 1, 1000);
+  check.Require(function_tolerance > 0.0 && function_tolerance < 1.0,
+                "function_tolerance",
+                function_tolerance,
+                "must be in (0, 1)");
   check.Inside("num_refinement_tracks", num_refinement_tracks, 0, 100000);
   check.Require(estimated_tilt_sd_deg > 0.0 && estimated_tilt_sd_deg <= 90.0,
                 "estimated_tilt_sd_deg",

@@ -131,6 +131,7 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
   CHECK(IsRefused(&AdjustmentOptions::principal_point_sd_ratio, 0.6, "principal_point_sd_ratio"));
   CHECK(IsRefused(&AdjustmentOptions::min_num_lens_views, 0, "min_num_lens_views"));
   CHECK(IsRefused(&AdjustmentOptions::max_num_iterations, 0, "max_num_iterations"));
+  CHECK(IsRefused(&AdjustmentOptions::function_tolerance, 0.0, "function_tolerance"));
   CHECK(IsRefused(&AdjustmentOptions::readout_change_sd_deg_s2, 0.0, "readout_change_sd_deg_s2"));
   CHECK(IsRefused(&AdjustmentOptions::max_readout_power, 6, "max_readout_power"));
   CHECK(IsRefused(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0, "estimated_tilt_sd_deg"));

@@ -1,7 +1,9 @@
 #include "tests/evaluation/recorded/control_points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -88,23 +90,54 @@ double VerticalRms(const Eigen::Matrix3Xd& errors) {
   return std::sqrt(errors.row(2).squaredNorm() / static_cast<double>(errors.cols()));
 }
 
-void CompareMap(const ElevationMap& map,
-                const Eigen::Matrix4d& grid_from_world,
-                const Targets& targets,
-                ControlErrors* errors) {
-  const Eigen::Matrix4d world_from_grid = grid_from_world.inverse();
-  double sum = 0.0;
-  for (const auto& [name, target] : targets) {
-    const Eigen::Vector3d in_world = (world_from_grid * target.homogeneous()).head<3>();
-    const auto cell = map.grid.CellAt(in_world.head<2>());
-    if (!cell || std::isnan(map.elevation(*cell))) continue;
-    const double error = map.elevation(*cell) - in_world.z();
-    sum += error * error;
-    errors->map_largest_m = std::max(errors->map_largest_m, std::abs(error));
-    ++errors->num_map_targets;
+constexpr double kBeyondDeviations = 3.0;
+
+void CheckHeight(const ElevationMap& map,
+                 const Eigen::Matrix4d& grid_from_world,
+                 const Eigen::Vector3d& target,
+                 HeightChecks* checks) {
+  ++checks->num_targets;
+  const Eigen::Vector3d in_world = (grid_from_world.inverse() * target.homogeneous()).head<3>();
+  const auto cell = map.grid.CellAt(in_world.head<2>());
+  if (!cell || std::isnan(map.elevation(*cell))) return;
+  const double error = std::abs(map.elevation(*cell) - in_world.z());
+  const double former = checks->num_known > 0 ? checks->rms_m : 0.0;
+  const double sum = former * former * checks->num_known + error * error;
+  ++checks->num_known;
+  checks->rms_m = std::sqrt(sum / checks->num_known);
+  checks->largest_m = std::fmax(checks->largest_m, error);
+  checks->num_beyond += error > kBeyondDeviations * map.standard_deviation(*cell);
+}
+
+// Those that a view of the largest group shows.
+std::set<std::string> SightedTargets(const AdjustedBlock& block,
+                                     const std::vector<TargetSighting>& sightings) {
+  std::set<std::string> frame_ids, targets;
+  for (const size_t i : block.LargestGroup()) frame_ids.insert(block.views[i].frame_id);
+  for (const TargetSighting& sighting : sightings) {
+    if (frame_ids.contains(sighting.frame_id)) targets.insert(sighting.target);
   }
-  if (errors->num_map_targets > 0)
-    errors->map_vertical_m = std::sqrt(sum / errors->num_map_targets);
+  return targets;
+}
+
+void CheckMap(const ElevationMap& map,
+              const Correspondences& points,
+              const Targets& targets,
+              const std::set<std::string>& sighted,
+              ControlErrors* errors) {
+  const Eigen::Matrix4d of_all = Similarity(points.in_world, points.in_grid);
+  for (const auto& [name, target] : targets) {
+    CheckHeight(map, of_all, target, &errors->map);
+    const auto twice = std::find(points.names.begin(), points.names.end(), name);
+    if (twice != points.names.end()) {
+      const Eigen::Index i = twice - points.names.begin();
+      const Eigen::Matrix4d of_others =
+          Similarity(Without(points.in_world, i), Without(points.in_grid, i));
+      CheckHeight(map, of_others, target, &errors->map_seen_twice);
+    } else if (sighted.contains(name)) {
+      CheckHeight(map, of_all, target, &errors->map_seen_once);
+    }
+  }
 }
 
 }  // namespace
@@ -125,8 +158,8 @@ std::vector<TargetSighting> ReadSightings(const std::string& path) {
   return sightings;
 }
 
-std::map<std::string, Eigen::Vector3d> PlacesOfTargets(const AdjustedBlock& block,
-                                                       const std::vector<TargetSighting>& sightings) {
+std::map<std::string, Eigen::Vector3d> PlacesOfTargets(
+    const AdjustedBlock& block, const std::vector<TargetSighting>& sightings) {
   std::map<std::string, std::vector<PosedRay>> rays;
   for (const TargetSighting& sighting : sightings) {
     for (const size_t i : block.LargestGroup()) {
@@ -188,6 +221,8 @@ ControlErrors CompareWithTargets(const RecordedFlight& flight,
   const Eigen::Matrix3Xd aligned = LeaveOneOutErrors(points);
   errors.aligned_horizontal_m = HorizontalRms(aligned);
   errors.aligned_vertical_m = VerticalRms(aligned);
+  errors.largest_horizontal_m = aligned.topRows<2>().colwise().norm().maxCoeff();
+  errors.largest_vertical_m = aligned.row(2).cwiseAbs().maxCoeff();
   Eigen::Matrix3Xd georeferenced = points.in_world;
   for (Eigen::Index i = 0; i < georeferenced.cols(); ++i) {
     georeferenced.col(i) -= flight.frame.WorldFromGeo(GeoFromBritishGrid(points.in_grid.col(i)));
@@ -196,7 +231,7 @@ ControlErrors CompareWithTargets(const RecordedFlight& flight,
   georeferenced.colwise() -= errors.shift_in_world;
   errors.georeferenced_horizontal_m = HorizontalRms(georeferenced);
   errors.georeferenced_vertical_m = VerticalRms(georeferenced);
-  CompareMap(map, Similarity(points.in_world, points.in_grid), targets, &errors);
+  CheckMap(map, points, targets, SightedTargets(flight.block, sightings), &errors);
   return errors;
 }
 

@@ -11,6 +11,7 @@
 #include "api/import/images/images.h"
 #include "api/import/import.h"
 #include "api/import/poses/poses.h"
+#include "engine/ground_map.h"
 #include "engine/selection/selection.h"
 
 namespace freelsd {
@@ -96,10 +97,10 @@ RecordedFrames ReadRecordedFrames(const std::string& folder) {
   return {*frame, rig, std::move(frames)};
 }
 
-RecordedFlight AdjustRecordedFlight(const std::string& folder,
+RecordedFlight AdjustRecordedFlight(const RecordedFrames& recorded,
                                     const Classifier& classifier,
                                     const PipelineOptions& options) {
-  const auto [frame, rig, frames] = ReadRecordedFrames(folder);
+  const auto& [frame, rig, frames] = recorded;
   RecordedFlight flight{frame, rig.camera, {}, {}, {}};
   Frontend frontend(rig, options, classifier);
   for (const Frame& each : frames) {
@@ -143,11 +144,10 @@ PairAgreement AgreementOfPairs(const RecordedFlight& flight, const PipelineOptio
 }
 
 ElevationMap MapOfBlock(const RecordedFlight& flight, const PipelineOptions& options) {
-  ElevationMapBuilder builder(GridOver(flight.block), options.terrain);
-  for (const StereoPair& pair : SelectPairs(flight.block, options.stereo)) {
-    builder.Add(PointsOf(flight, pair, options.stereo));
-  }
-  return builder.Build();
+  const ImageSource source = [&flight](const std::string& id) { return flight.images.at(id); };
+  std::vector<StageReport> reports;
+  return ReconstructMap(
+      flight.block, SeenArea(flight.block), source, options, [](double) {}, reports);
 }
 
 }  // namespace freelsd

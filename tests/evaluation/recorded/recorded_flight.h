@@ -30,7 +30,7 @@ struct RecordedFrames {
 // Reads images/ and, where there is one, poses.csv in the folder, as the server takes them. Throws
 // std::runtime_error when nothing can be read there.
 RecordedFrames ReadRecordedFrames(const std::string& folder);
-RecordedFlight AdjustRecordedFlight(const std::string& folder,
+RecordedFlight AdjustRecordedFlight(const RecordedFrames& recorded,
                                     const Classifier& classifier,
                                     const PipelineOptions& options);
 
@@ -43,7 +43,7 @@ struct PairAgreement {
 };
 PairAgreement AgreementOfPairs(const RecordedFlight& flight, const PipelineOptions& options);
 
-// Elevation map of the whole block from all its pairs.
+// Elevation map of the whole block, as the engine makes it.
 ElevationMap MapOfBlock(const RecordedFlight& flight, const PipelineOptions& options);
 
 }  // namespace freelsd

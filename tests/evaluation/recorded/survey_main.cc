@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/training/pools.h"
-#include "tests/evaluation/recorded/control_points.h"
+#include "tests/evaluation/recorded/control_runs.h"
 
 namespace freelsd {
 namespace {
@@ -55,12 +55,22 @@ void PrintFlight(const std::string& name,
   std::fflush(stdout);
 }
 
+void PrintHeights(const char* where, const HeightChecks& checks) {
+  std::printf(
+      " Elevation map at %d of %d (%s): %.2f m RMS, largest %.2f m, %d beyond 3 deviations.",
+      checks.num_known,
+      checks.num_targets,
+      where,
+      checks.rms_m,
+      checks.largest_m,
+      checks.num_beyond);
+}
+
 void PrintControl(const std::string& name, const ControlErrors& errors) {
   std::printf(
       "\n%s: %d targets seen twice. Leave one out after a similarity of the others: %.2f m "
       "horizontal, %.2f m vertical (RMS). Georeferenced by the positions alone: shift east %.2f, "
-      "north %.2f, up %.2f m, and without it %.2f m horizontal, %.2f m vertical. Elevation map at "
-      "%d targets: %.2f m RMS, largest %.2f m.\n",
+      "north %.2f, up %.2f m, and without it %.2f m horizontal, %.2f m vertical.",
       name.c_str(),
       errors.num_targets,
       errors.aligned_horizontal_m,
@@ -69,11 +79,14 @@ void PrintControl(const std::string& name, const ControlErrors& errors) {
       errors.shift_in_world.y(),
       errors.shift_in_world.z(),
       errors.georeferenced_horizontal_m,
-      errors.georeferenced_vertical_m,
-      errors.num_map_targets,
-      errors.map_vertical_m,
-      errors.map_largest_m);
+      errors.georeferenced_vertical_m);
+  PrintHeights("all targets", errors.map);
+  PrintHeights("those seen twice, each left out", errors.map_seen_twice);
+  PrintHeights("those seen once", errors.map_seen_once);
+  std::puts("");
 }
+
+constexpr const char* kTargetsFile = "TargetCoordinates_wAccuracy.csv";
 
 std::vector<TargetSighting> SightingsIn(const fs::path& folder) {
   const fs::path sightings = folder / "ImageTargets_2000x1500.csv";
@@ -90,9 +103,10 @@ void Run(const std::vector<std::string>& folders, const std::string& model) {
   std::vector<std::pair<std::string, ControlErrors>> controls;
   for (const std::string& folder : folders) {
     const std::string name = fs::path(folder).filename().string();
-    const RecordedFlight flight = AdjustRecordedFlight(folder, classifier, options);
+    const RecordedFlight flight =
+        AdjustRecordedFlight(ReadRecordedFrames(folder), classifier, options);
     PrintFlight(name, flight, AgreementOfPairs(flight, options));
-    const fs::path targets = fs::path(folder) / "TargetCoordinates_wAccuracy.csv";
+    const fs::path targets = fs::path(folder) / kTargetsFile;
     if (!fs::exists(targets)) continue;
     const auto sightings = SightingsIn(folder);
     controls.emplace_back(
@@ -101,6 +115,24 @@ void Run(const std::vector<std::string>& folders, const std::string& model) {
             flight, MapOfBlock(flight, options), ReadTargets(targets.string()), sightings));
   }
   for (const auto& [name, errors] : controls) PrintControl(name, errors);
+}
+
+// The control of each flight that has targets, so often.
+void RunControls(const std::vector<std::string>& folders,
+                 const std::string& model,
+                 size_t num_runs) {
+  const Classifier classifier = ReadClassifier(model);
+  for (const std::string& folder : folders) {
+    const ControlFlight flight{ReadRecordedFrames(folder),
+                               ReadTargets((fs::path(folder) / kTargetsFile).string()),
+                               SightingsIn(folder)};
+    std::vector<ControlRun> runs;
+    for (const ControlTrial& trial : PlanControlRuns(num_runs, flight.recorded.frames.size())) {
+      runs.push_back(RunControl(flight, trial, classifier, PipelineOptions{}));
+      std::fprintf(stderr, "%zu of %zu runs\n", runs.size(), num_runs);
+    }
+    std::printf("%s\n\n%s", fs::path(folder).filename().c_str(), ControlTable(runs).c_str());
+  }
 }
 
 // What the whole of the engine costs on stored flights, stage by stage.
@@ -143,9 +175,16 @@ int main(int argc, char** argv) {
     app.add_option("--model", model, "the classifier")->check(CLI::ExistingFile);
     bool is_timed = false;
     app.add_flag("--stages", is_timed, "prints instead what each stage of the engine costs");
+    size_t num_control_runs = 0;
+    app.add_option("--control-runs",
+                   num_control_runs,
+                   "prints instead the errors at surveyed targets in so many runs, each without "
+                   "another photograph and with another tolerance of the adjustment");
     CLI11_PARSE(app, argc, argv);
     freelsd::CheckPools(folders);
-    if (is_timed) {
+    if (num_control_runs > 0) {
+      freelsd::RunControls(folders, model, num_control_runs);
+    } else if (is_timed) {
       freelsd::RunStages(folders, model);
     } else {
       freelsd::Run(folders, model);
