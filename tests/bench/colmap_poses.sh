@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# The heights of the engine's stereo and fusion on its own poses and on those of COLMAP, for a rendered flight, as a
+# table in Markdown:
+#   tests/bench/colmap_poses.sh FOLDER SEED [THREADS]
+# FOLDER: written by freelsd-render --out FOLDER --seed SEED, other options at their defaults. THREADS: of both (default
+# 1). COLMAP is given the camera; it matches all pairs, because neighbouring legs overlap and the photographs have no
+# tags. Seconds are of the processor. COLMAP is installed from Debian if it is missing, where it has no CUDA: SIFT runs
+# on the processor.
+set -euo pipefail
+flight="$(realpath -e "${1:?usage: tests/bench/colmap_poses.sh FOLDER SEED [THREADS]}")"
+seed="${2:?the seed of the flight is missing}"
+threads="${3:-1}"
+cd "$(dirname "$0")/../.."
+export QT_QPA_PLATFORM=offscreen
+if ! command -v colmap >/dev/null; then apt-get install -y --no-install-recommends colmap >/dev/null; fi
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+
+# COLMAP's (0, 0) is the corner of the first pixel, ours is its centre.
+camera="$(jq -r '.camera | [.fx_px, .fy_px, .cx_px + 0.5, .cy_px + 0.5] | map(tostring) | join(",")' \
+  "$flight/flight.json")"
+mkdir -p "$work/images" "$work/sparse"
+ln -s "$flight"/*.jpg "$work/images"
+
+step() { "$@" >>"$work/log" 2>&1 || { tail -5 "$work/log" >&2; exit 1; }; }
+
+step colmap feature_extractor --database_path "$work/points.db" --image_path "$work/images" \
+  --ImageReader.single_camera 1 --ImageReader.camera_model PINHOLE --ImageReader.camera_params "$camera" \
+  --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads "$threads"
+step colmap exhaustive_matcher --database_path "$work/points.db" --SiftMatching.use_gpu 0 \
+  --SiftMatching.num_threads "$threads"
+step colmap mapper --database_path "$work/points.db" --image_path "$work/images" --output_path "$work/sparse" \
+  --Mapper.num_threads "$threads" --Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_principal_point 0 \
+  --Mapper.ba_refine_extra_params 0
+# Second line: user and system seconds of all commands so far, "1m5.049s 0m1.912s".
+times >"$work/times"
+seconds="$(awk 'NR == 2 { gsub(/[ms]/, " "); printf "%.1f", 60 * ($1 + $3) + $2 + $4 }' "$work/times")"
+
+# Of several models the one with the most photographs.
+best="" num_best=-1
+for model in "$work"/sparse/*/; do
+  num="$(colmap model_analyzer --path "$model" 2>&1 | sed -n 's/.*Registered images: //p')"
+  if [ "$num" -gt "$num_best" ]; then best="$model" num_best="$num"; fi
+done
+mkdir "$work/text"
+step colmap model_converter --input_path "$best" --output_path "$work/text" --output_type TXT
+build/release/tests/freelsd-poses "$flight" --seed "$seed" --colmap "$work/text" --colmap-seconds "$seconds" \
+  --threads "$threads"
