@@ -63,6 +63,7 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
   visit("max_ground_error_ratio", o.max_ground_error_ratio);
   visit("min_tie_overlap_ratio", o.min_tie_overlap_ratio);
   visit("max_num_shared_points", o.max_num_shared_points);
+  visit("num_tie_partners", o.num_tie_partners);
   visit("num_tie_points", o.num_tie_points);
   visit("max_alignment_shift_px", o.max_alignment_shift_px);
   visit("min_alignment_correlation", o.min_alignment_correlation);

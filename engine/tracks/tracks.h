@@ -67,10 +67,12 @@ struct TracksOptions {
   // Search radius of ground matching, as a share of the height. It covers pose errors and relief.
   double max_ground_error_ratio = 0.15;
   // Views of one block whose footprints share more than this part of the smaller one, and which
-  // share fewer points than this, are tied to each other. At most num_tie_points of a view are
-  // followed into the other.
-  double min_tie_overlap_ratio = 0.2;
+  // share fewer than max_num_shared_points points, are tied to each other: each view with at least
+  // the num_tie_partners that show most of the same ground. At most num_tie_points of a view are
+  // followed into another.
+  double min_tie_overlap_ratio = 0.05;
   int max_num_shared_points = 30;
+  int num_tie_partners = 10;
   int num_tie_points = 80;
   // After the first adjustment, the sightings of a track are aligned at the photograph's full
   // resolution, if it is larger than matching_width_px. A sighting stays where it is if the

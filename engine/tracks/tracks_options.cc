@@ -26,6 +26,7 @@ void TracksOptions::Check() const {
   check.Inside("min_num_tie_matches", min_num_tie_matches, 8, 1000);
   check.Inside("min_tie_overlap_ratio", min_tie_overlap_ratio, 0.0, 1.0);
   check.Inside("max_num_shared_points", max_num_shared_points, 0, 100000);
+  check.Inside("num_tie_partners", num_tie_partners, 1, 1000);
   check.Inside("num_tie_points", num_tie_points, 0, 100000);
   check.Inside("min_ground_overlap_ratio", min_ground_overlap_ratio, 0.0, 1.0);
   check.Inside("max_ground_error_ratio", max_ground_error_ratio, 0.001, 1.0);

@@ -67,11 +67,6 @@ struct JudgedFlight {
   }
 };
 
-bool IsOpenGround(Cover cover) {
-  return cover == Cover::kMeadow || cover == Cover::kStubble || cover == Cover::kSoil ||
-         cover == Cover::kGravel || cover == Cover::kRoad;
-}
-
 cv::Mat1b NumViewsOfOpenGround(const JudgedFlight& judged) {
   cv::Mat1b num_views(judged.truth.cover.size(), uint8_t{0});
   const Rig& rig = judged.flight.rig;

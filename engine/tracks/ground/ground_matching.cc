@@ -50,7 +50,7 @@ GroundPoints DescribeGround(const View& view,
 // Views that overlap a view of another group.
 std::vector<bool> BorderViews(const std::vector<ViewPair>& pairs, const std::vector<int>& group) {
   std::vector<bool> is_border(group.size(), false);
-  for (const auto& [i, j] : pairs) {
+  for (const auto& [i, j, ratio] : pairs) {
     if (group[i] == group[j] && group[i] >= 0) continue;
     is_border[i] = is_border[j] = true;
   }
@@ -132,7 +132,7 @@ std::vector<View> TieOnGround(std::vector<View> views,
   std::vector<std::vector<IndexPair>> matches(pairs.size());
   cv::parallel_for_({0, static_cast<int>(pairs.size())}, [&](const cv::Range& range) {
     for (auto k = static_cast<size_t>(range.start); k < static_cast<size_t>(range.end); ++k) {
-      const auto& [i, j] = pairs[k];
+      const auto [i, j, ratio] = pairs[k];
       const double radius_m = options.max_ground_error_ratio *
                               std::max(views[i].height_above_ground, views[j].height_above_ground);
       matches[k] = MatchOnGround(camera.With(views[i].readout),
@@ -146,7 +146,7 @@ std::vector<View> TieOnGround(std::vector<View> views,
   TrackTable table;
   for (size_t i = 0; i < views.size(); ++i) table.AddFrame();
   for (size_t k = 0; k < pairs.size(); ++k) {
-    const auto& [i, j] = pairs[k];
+    const auto [i, j, ratio] = pairs[k];
     for (const IndexPair& match : matches[k]) {
       table.Join({i, match.a, points[i].in_image[static_cast<size_t>(match.a)]},
                  {j, match.b, points[j].in_image[static_cast<size_t>(match.b)]});

@@ -42,7 +42,7 @@ std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views,
       const double area = cv::intersectConvexConvex(footprints[i], footprints[j], common);
       const double smaller =
           std::min(cv::contourArea(footprints[i]), cv::contourArea(footprints[j]));
-      if (area > min_overlap_ratio * smaller) pairs.emplace_back(i, j);
+      if (area > min_overlap_ratio * smaller) pairs.push_back({i, j, area / smaller});
     }
   }
   return pairs;

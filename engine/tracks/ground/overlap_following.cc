@@ -60,13 +60,22 @@ class OverlapFollower {
     });
   }
 
-  // Pairs that overlap and share too few points.
+  // Pairs that overlap and share too few points; of each view at least those num_tie_partners that
+  // show most of the same ground.
   std::vector<ViewPair> LoosePairs() const {
-    std::vector<ViewPair> loose;
-    for (const ViewPair& pair : OverlappingPairs(views_, camera_, options_.min_tie_overlap_ratio)) {
-      if (NumShared(pair) < options_.max_num_shared_points) loose.push_back(pair);
-    }
-    return loose;
+    std::vector<ViewPair> pairs = OverlappingPairs(views_, camera_, options_.min_tie_overlap_ratio);
+    std::erase_if(pairs, [&](const ViewPair& pair) {
+      return NumShared(pair) >= options_.max_num_shared_points;
+    });
+    std::stable_sort(pairs.begin(), pairs.end(), [](const ViewPair& a, const ViewPair& b) {
+      return a.overlap_ratio > b.overlap_ratio;
+    });
+    std::vector<int> num_partners(views_.size(), 0);
+    std::erase_if(pairs, [&](const ViewPair& pair) {
+      const int of_first = num_partners[pair.first]++, of_second = num_partners[pair.second]++;
+      return std::min(of_first, of_second) >= options_.num_tie_partners;
+    });
+    return pairs;
   }
 
   Found Follow(size_t from, size_t to) const {
@@ -199,7 +208,7 @@ std::vector<View> FollowIntoOverlaps(std::vector<View> views,
   std::vector<Found> found(2 * pairs.size());
   cv::parallel_for_({0, static_cast<int>(found.size())}, [&](const cv::Range& range) {
     for (auto k = static_cast<size_t>(range.start); k < static_cast<size_t>(range.end); ++k) {
-      const auto& [first, second] = pairs[k / 2];
+      const auto [first, second, ratio] = pairs[k / 2];
       found[k] = k % 2 == 0 ? follower.Follow(first, second) : follower.Follow(second, first);
     }
   });
