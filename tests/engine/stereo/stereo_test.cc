@@ -221,6 +221,7 @@ TEST_CASE("pairs: each connected view gets the partner nearest to the ideal base
   AdjustedBlock block = SceneBlock(scene, poses);
   StereoOptions options;
   options.num_partners = 1;
+  options.num_pairs_per_place = 0;
   const std::vector<StereoPair> pairs = SelectPairs(block, options);
   std::vector<bool> has_pair(poses.size(), false);
   for (size_t i = 0; i < pairs.size(); ++i) {
@@ -239,6 +240,27 @@ TEST_CASE("pairs: each connected view gets the partner nearest to the ideal base
     CHECK(pair.left != 4);
     CHECK(pair.right != 4);
   }
+}
+
+TEST_CASE("pairs: further ones are taken until four show each place") {
+  const Scene scene = SceneOf(Flat);
+  std::vector<Rigid3d> poses;
+  poses.reserve(9);
+  for (int i = 0; i < 9; ++i) poses.push_back(SceneView({6.0 * i - 24.0, 0, 80}, 0));
+  const AdjustedBlock block = SceneBlock(scene, poses);
+  const auto num_with = [&](int num_pairs_per_place) {
+    StereoOptions options;
+    options.num_pairs_per_place = num_pairs_per_place;
+    const std::vector<StereoPair> pairs = SelectPairs(block, options);
+    // None twice.
+    CHECK(std::adjacent_find(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+            return a.left == b.left && a.right == b.right;
+          }) == pairs.end());
+    return pairs.size();
+  };
+  CHECK(num_with(0) <= num_with(2));
+  CHECK(num_with(2) < num_with(8));
+  CHECK(num_with(20) <= 36);
 }
 
 TEST_CASE("pairs: views that look apart, or one above the other, are none") {

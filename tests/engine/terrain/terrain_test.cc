@@ -113,7 +113,7 @@ TEST_CASE("terrain: interpolation agrees with the definition within a micrometre
     TerrainOptions options;
     options.interpolation_radius_m = radius_m;
     options.outlier_sigma = 1e6;  // no outliers: the plain mean of the paper
-    const ElevationMap map = BuildMap(grid, {points}, options);
+    const ElevationMap map = BuildMap(grid, {points, points}, options);
     double max_error = 0.0;
     for (int row = 0; row < grid.num_rows; ++row) {
       for (int col = 0; col < grid.num_cols; ++col) {
@@ -127,8 +127,8 @@ TEST_CASE("terrain: interpolation agrees with the definition within a micrometre
 
 TEST_CASE("terrain: a point exactly on a cell's centre gives its height, not a division by zero") {
   const Grid grid = Square(3);
-  const ElevationMap map =
-      BuildMap(grid, {{PointAt(1.5, 1.5, 2.0), PointAt(1.4, 1.5, 2.1), PointAt(1.7, 1.4, 1.9)}});
+  const Points points{PointAt(1.5, 1.5, 2.0), PointAt(1.4, 1.5, 2.1), PointAt(1.7, 1.4, 1.9)};
+  const ElevationMap map = BuildMap(grid, {points, points});
   CHECK(map.elevation(1, 1) == doctest::Approx(2.0).epsilon(1e-6));
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("terrain: without points everything is unknown, and so is a cell with 
   for (const ElevationMap& map :
        {BuildMap(grid, {}),
         BuildMap(grid, {{}}),
-        BuildMap(grid, {{PointAt(2.5, 2.4, 1.0), PointAt(2.4, 2.5, 1.0)}})}) {
+        BuildMap(grid, {{PointAt(2.5, 2.4, 1.0)}, {PointAt(2.4, 2.5, 1.0)}})}) {
     CHECK(cv::countNonZero(map.elevation == map.elevation) == 0);
     CHECK(cv::countNonZero(map.upper == map.upper) == 0);
     CHECK(cv::countNonZero(map.standard_deviation == map.standard_deviation) == 0);
@@ -150,7 +150,7 @@ TEST_CASE("terrain: cells farther from any point than the radius stay unknown") 
   const Grid grid = Square(20);
   Points points = Sample(Flat, grid, 8000, 0.05, 2);
   std::erase_if(points, [](const DensePoint& p) { return p.point_in_world.x() > 10.0f; });
-  const ElevationMap map = BuildMap(grid, {points});
+  const ElevationMap map = BuildMap(grid, {points, points});
   for (int row = 0; row < 20; ++row) {
     CHECK(map.IsSeen(row, 9));
     CHECK_FALSE(map.IsSeen(row, 11));
@@ -172,8 +172,8 @@ TEST_CASE("terrain: points that are wild, not finite or outside neither move the
   dirty.push_back({{kNaN, 1.0f, 1.0f}, 0.1f});
   dirty.push_back({{1.0f, 1.0f, kNaN}, 0.1f});
   dirty.push_back({{1.0f, 1.0f, std::numeric_limits<float>::infinity()}, kNaN});
-  const ElevationMap truth = BuildMap(grid, {clean});
-  const ElevationMap map = BuildMap(grid, {dirty});
+  const ElevationMap truth = BuildMap(grid, {clean, clean});
+  const ElevationMap map = BuildMap(grid, {dirty, clean});
   CHECK(map.grid == grid);
   CHECK(cv::norm(map.elevation, truth.elevation, cv::NORM_INF) < kMaxShiftM);
   // Nor do they raise the upper height, save where two or three of them meet in one cell.
@@ -210,7 +210,8 @@ TEST_CASE("terrain: one wild point lifts no upper height, however few points the
       points.push_back(PointAt(2.1 + 0.8 * i / num_others, 2.3 + 0.01 * i, 1.0 + 0.01 * (i % 3)));
     }
     points.push_back(PointAt(2.5, 2.6, 40.0));
-    const ElevationMap map = BuildMap(grid, {points});
+    const Points others(points.begin(), points.end() - 1);
+    const ElevationMap map = BuildMap(grid, {points, others});
     CHECK(map.elevation(2, 2) == doctest::Approx(1.0).epsilon(0.03));
     CHECK(map.upper(2, 2) < 1.1);
   }
@@ -228,11 +229,11 @@ TEST_CASE(
     }
     return points;
   };
-  CHECK(BuildMap(grid, {pair_with(2)}).upper(2, 2) < 1.2);
+  CHECK(BuildMap(grid, {pair_with(2), pair_with(0)}).upper(2, 2) < 1.2);
   CHECK(BuildMap(grid, {pair_with(2), pair_with(0), pair_with(0)}).upper(2, 2) < 1.2);
   CHECK(BuildMap(grid, {pair_with(2), pair_with(2), pair_with(0)}).upper(2, 2) >= 7.0);
   CHECK(BuildMap(grid, {pair_with(3), pair_with(0), pair_with(0)}).upper(2, 2) >= 7.0);
-  CHECK(BuildMap(grid, {pair_with(3)}).elevation(2, 2) < 1.2);
+  CHECK(BuildMap(grid, {pair_with(3), pair_with(3)}).elevation(2, 2) < 1.2);
 }
 
 TEST_CASE("terrain: a pair that is off is outvoted, but what it saw above counts for clearance") {
@@ -247,21 +248,39 @@ TEST_CASE("terrain: a pair that is off is outvoted, but what it saw above counts
   CHECK(map.upper(5, 5) > 8.8);
 }
 
-TEST_CASE("terrain: two pairs that contradict each other are uncertain, not averaged in silence") {
+TEST_CASE("terrain: a height needs two pairs that agree, and a majority") {
   const Grid grid = Square(10);
-  const ElevationMap map =
-      BuildMap(grid,
-               {Sample(Flat, grid, 3000, 0.1, 1),
-                Sample([](double, double) { return 8.0; }, grid, 3000, 0.1, 2)});
-  CHECK(map.standard_deviation(5, 5) > 1.5);
-  CHECK(map.upper(5, 5) >= map.elevation(5, 5));
+  const Points low = Sample(Flat, grid, 3000, 0.1, 1), low_too = Sample(Flat, grid, 3000, 0.1, 2);
+  const auto higher = [&](int seed) {
+    return Sample([](double, double) { return 8.0; }, grid, 3000, 0.1, seed);
+  };
+  CHECK_FALSE(BuildMap(grid, {low}).IsSeen(5, 5));
+  CHECK_FALSE(BuildMap(grid, {low, higher(3)}).IsSeen(5, 5));
+  CHECK_FALSE(BuildMap(grid, {low, low_too, higher(3), higher(4)}).IsSeen(5, 5));
+  const ElevationMap outvoted = BuildMap(grid, {low, low_too, higher(3)});
+  CHECK(outvoted.elevation(5, 5) == doctest::Approx(3.0).epsilon(0.03));
+  CHECK(outvoted.upper(5, 5) > 7.5);
+  // Two pairs that agree know less than three.
+  const ElevationMap three = BuildMap(grid, {low, low_too, Sample(Flat, grid, 3000, 0.1, 5)});
+  CHECK(outvoted.standard_deviation(5, 5) > 1.5F * three.standard_deviation(5, 5));
+}
+
+TEST_CASE("terrain: deviations of one cell's pairs are told, however sure each pair is of itself") {
+  const Grid grid = Square(10);
+  std::vector<Points> pairs;
+  for (const double height : {2.85, 3.0, 3.15}) {
+    pairs.push_back(Sample([height](double, double) { return height; }, grid, 3000, 0.01, 1));
+  }
+  const ElevationMap map = BuildMap(grid, pairs);
+  // 0.15 m of one pair, and of three pairs two are independent.
+  CHECK(map.standard_deviation(5, 5) == doctest::Approx(0.15 / std::sqrt(2.0)).epsilon(0.05));
 }
 
 TEST_CASE("terrain: one wild landmark does not unsettle dense ground") {
   const Grid grid = Square(10);
   const Points dense = Sample(Flat, grid, 3000, 0.1, 1);
-  const ElevationMap map = BuildMap(grid, {dense, {PointAt(5.4, 4.6, 11.0)}});
-  const ElevationMap truth = BuildMap(grid, {dense});
+  const ElevationMap map = BuildMap(grid, {dense, dense, {PointAt(5.4, 4.6, 11.0)}});
+  const ElevationMap truth = BuildMap(grid, {dense, dense});
   CHECK(SameBytes(map.elevation, truth.elevation));
   CHECK(SameBytes(map.upper, truth.upper));
 }
@@ -289,11 +308,13 @@ TEST_CASE("terrain: upper is nowhere below elevation, and more pairs make it mor
   pairs.reserve(8);
   for (int i = 0; i < 8; ++i) pairs.push_back(Sample(Rolling, grid, 2000, 0.3, 40 + i));
   const ElevationMap map = BuildMap(grid, pairs);
-  const ElevationMap single = BuildMap(grid, {pairs.front()});
+  const ElevationMap few = BuildMap(grid, {pairs[0], pairs[1]});
   CHECK(cv::countNonZero(map.upper < map.elevation) == 0);
-  CHECK(cv::countNonZero(single.upper < single.elevation) == 0);
-  CHECK(cv::mean(map.standard_deviation)[0] <
-        0.6 * cv::mean(single.standard_deviation, single.elevation == single.elevation)[0]);
+  CHECK(cv::countNonZero(few.upper < few.elevation) == 0);
+  const auto mean_of = [](const ElevationMap& each) {
+    return cv::mean(each.standard_deviation, each.elevation == each.elevation)[0];
+  };
+  CHECK(mean_of(map) < 0.6 * mean_of(few));
 }
 
 TEST_CASE("terrain: Check names field, value and constraint") {
