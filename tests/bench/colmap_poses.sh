@@ -3,8 +3,8 @@
 # table in Markdown:
 #   tests/bench/colmap_poses.sh FOLDER SEED [THREADS]
 # FOLDER: written by freelsd-render --out FOLDER --seed SEED, other options at their defaults. THREADS: of both (default
-# 1). COLMAP is given the camera and the pairs of photographs that were taken near each other. It is installed from Debian
-# if it is missing, where it has no CUDA: SIFT runs on the processor, with 4096 instead of 8192 points for each
+# 1). COLMAP is given the camera and the pairs of photographs that were taken near each other. It is installed from
+# Debian if it is missing, where it has no CUDA: SIFT runs on the processor, with 4096 instead of 8192 points for each
 # photograph, because the matching of all would take a quarter of an hour. Seconds are of the processor.
 set -euo pipefail
 flight="$(realpath -e "${1:?usage: tests/bench/colmap_poses.sh FOLDER SEED [THREADS]}")"
