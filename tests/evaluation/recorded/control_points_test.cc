@@ -144,7 +144,7 @@ TEST_CASE("control runs: the table ends with median, largest and all heights bey
     runs[i].errors.aligned_vertical_m = errors_m[i];
     runs[i].errors.map_seen_twice = {12, 10, errors_m[i], 1.0, static_cast<int>(i)};
   }
-  const std::string table = ControlTable(runs);
+  const std::string table = ControlEnd(runs);
   const auto row_of = [&table](const std::string& start) {
     const size_t begin = table.find(start);
     REQUIRE(begin != std::string::npos);

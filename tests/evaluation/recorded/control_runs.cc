@@ -131,21 +131,24 @@ ControlRun RunControl(const ControlFlight& flight,
   return run;
 }
 
-std::string ControlTable(const std::vector<ControlRun>& runs) {
-  std::string table = "| tolerance | without |", line = "|---|---|";
+std::string ControlHeading() {
+  std::string heading = "| tolerance | without |", line = "|---|---|";
   for (const Column& column : kColumns) {
-    table += " " + std::string(column.heading) + " |";
+    heading += " " + std::string(column.heading) + " |";
     line += "---|";
   }
-  table += "\n" + line + "\n";
-  for (const ControlRun& run : runs) {
-    char tolerance[32];
-    std::snprintf(tolerance, sizeof tolerance, "%.1e", run.trial.function_tolerance);
-    table += RowOf("| " + std::string(tolerance) + " | " + run.left_out_id + " |", {run}, Largest);
-  }
-  table += RowOf("| median | |", runs, Median);
-  table += RowOf("| largest | |", runs, Largest);
-  return table + "\nHeights of the map beyond three stated deviations, all runs: " +
+  return heading + "\n" + line + "\n";
+}
+
+std::string ControlRow(const ControlRun& run) {
+  char tolerance[32];
+  std::snprintf(tolerance, sizeof tolerance, "%.1e", run.trial.function_tolerance);
+  return RowOf("| " + std::string(tolerance) + " | " + run.left_out_id + " |", {run}, Largest);
+}
+
+std::string ControlEnd(const std::vector<ControlRun>& runs) {
+  return RowOf("| median | |", runs, Median) + RowOf("| largest | |", runs, Largest) +
+         "\nHeights of the map beyond three stated deviations, all runs: " +
          SumOfBeyond(runs, &ControlErrors::map_seen_twice) + " at targets seen twice, " +
          SumOfBeyond(runs, &ControlErrors::map_seen_once) + " at targets seen once, " +
          SumOfBeyond(runs, &ControlErrors::map) + " at all targets.\n";

@@ -40,8 +40,10 @@ ControlRun RunControl(const ControlFlight& flight,
                       const Classifier& classifier,
                       PipelineOptions options);
 
-// A table in Markdown: a row for each run, their medians and their largest; then the heights of all
-// runs beyond three stated deviations.
-std::string ControlTable(const std::vector<ControlRun>& runs);
+// Parts of a table in Markdown, each of whole lines: the heading, a row for each run, and the end
+// with their medians, their largest, and the heights of all runs beyond three stated deviations.
+std::string ControlHeading();
+std::string ControlRow(const ControlRun& run);
+std::string ControlEnd(const std::vector<ControlRun>& runs);
 
 }  // namespace freelsd

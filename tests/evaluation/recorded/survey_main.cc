@@ -126,12 +126,14 @@ void RunControls(const std::vector<std::string>& folders,
     const ControlFlight flight{ReadRecordedFrames(folder),
                                ReadTargets((fs::path(folder) / kTargetsFile).string()),
                                SightingsIn(folder)};
+    std::printf("%s\n\n%s", fs::path(folder).filename().c_str(), ControlHeading().c_str());
     std::vector<ControlRun> runs;
     for (const ControlTrial& trial : PlanControlRuns(num_runs, flight.recorded.frames.size())) {
+      std::fflush(stdout);
       runs.push_back(RunControl(flight, trial, classifier, PipelineOptions{}));
-      std::fprintf(stderr, "%zu of %zu runs\n", runs.size(), num_runs);
+      std::fputs(ControlRow(runs.back()).c_str(), stdout);
     }
-    std::printf("%s\n\n%s", fs::path(folder).filename().c_str(), ControlTable(runs).c_str());
+    std::fputs(ControlEnd(runs).c_str(), stdout);
   }
 }
 
