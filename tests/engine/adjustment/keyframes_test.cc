@@ -16,11 +16,11 @@ View VideoView(double east, int64_t first, int count) {
 }
 
 TEST_CASE("key-frames: the predecessor of the first view with fewer than 30 connections is next") {
-  // 100 tracks per view, 10 lost from one view to the next, 3 m apart: view 8 has 20 left of view
+  // 100 tracks per view, 10 lost from one view to the next, 2.5 m apart: view 8 has 20 left of view
   // 0's, so view 7 is due.
   std::vector<View> views;
   views.reserve(20);
-  for (int i = 0; i < 20; ++i) views.push_back(VideoView(3.0 * i, int64_t{10} * i, 100));
+  for (int i = 0; i < 20; ++i) views.push_back(VideoView(2.5 * i, int64_t{10} * i, 100));
   CHECK(SelectKeyframes(views, {}) == std::vector<size_t>{0, 7, 14, 19});
 }
 
