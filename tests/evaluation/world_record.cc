@@ -248,8 +248,15 @@ Json HeadOf(uint64_t seed, const Scenario& scenario, const EngineRun& run) {
           {"warnings", run.evaluation.warnings}};
 }
 
+// The whole block's horizontal shift, which the positions of the autopilot decide, is taken off:
+// beside what stands it would count as an error of heights.
 Json HeightsOf(const EngineRun& run, const Scenario& scenario, const TruthMap& truth) {
-  return HeightRecord(ScoreHeights(run.evaluation.map, run.evaluation.hazards, scenario, truth));
+  const Eigen::Vector2d shift = ScorePoses(run, scenario).shift.head<2>();
+  ElevationMap map = run.evaluation.map;
+  HazardLayers layers = run.evaluation.hazards;
+  map.grid.north_west_in_world -= shift;
+  layers.grid.north_west_in_world -= shift;
+  return HeightRecord(ScoreHeights(map, layers, scenario, truth));
 }
 
 }  // namespace

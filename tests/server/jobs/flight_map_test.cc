@@ -82,7 +82,8 @@ TEST_CASE(
     const auto planned =
         client.Get("/v1/sites/" + twin + "/approach?landing_airspeed_mps=11&max_bank_deg=25");
     const std::string verdict = site["properties"]["verdict"];
-    // Sites from the map lie in squares (-e0n0), and which of them get one depends on the aircraft.
+    // Sites from the map lie in squares (-e0n0). Which of them get one, and which rectangle of free
+    // ground is searched there, depends on the aircraft's disc.
     const bool is_from_map = id.find("-e", other.size()) != std::string::npos;
     if (is_from_map && planned->status == 404) continue;
     if (planned->status == 409) {
@@ -93,7 +94,7 @@ TEST_CASE(
     const nlohmann::json answer = nlohmann::json::parse(planned->body);
     CHECK(answer["plan"]["verdict"] == verdict);
     for (const auto& feature : answer["features"]) {
-      if (feature["properties"]["kind"] == "touchdown") {
+      if (feature["properties"]["kind"] == "touchdown" && !is_from_map) {
         CHECK(feature["geometry"] == site["geometry"]);
         ++num_compared;
       }
