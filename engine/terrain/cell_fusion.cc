@@ -74,8 +74,9 @@ class UpperHeight {
 // Pairs of overlapping photographs share their errors: of n pairs, about (n + 1) / 2 are
 // independent.
 double NumIndependent(size_t num_pairs) { return 0.5 * (static_cast<double>(num_pairs) + 1.0); }
-// Two pairs cannot tell which of them is wrong.
-constexpr double kDeviationFactorOfTwo = 2.0;
+// Nothing checks one pair, and two cannot tell which of them is wrong.
+constexpr double kUncheckedFactor = 2.0;
+constexpr size_t kMaxNumUnchecked = 2;
 
 // Weighted mean of pairs that agree. Its deviation follows from what they differ by, but is at
 // least what they tell themselves.
@@ -93,9 +94,9 @@ FusedCell FusedFrom(std::span<const CellSummary> pairs) {
   double spread = 0.0;
   for (const CellSummary& pair : pairs) spread += std::pow(pair.mean - fused.elevation, 2);
   const auto num = static_cast<double>(pairs.size());
-  const double of_one = std::max(spread / (num - 1.0), told / num);
+  const double of_one = std::max(spread / std::max(num - 1.0, 1.0), told / num);
   fused.standard_deviation = std::sqrt(of_one / NumIndependent(pairs.size()));
-  if (pairs.size() == 2) fused.standard_deviation *= kDeviationFactorOfTwo;
+  if (pairs.size() <= kMaxNumUnchecked) fused.standard_deviation *= kUncheckedFactor;
   return fused;
 }
 
@@ -109,7 +110,7 @@ std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
   const Run run =
       LargestAgreement(summaries, options.max_pair_disagreement_m, options.pair_agreement_sigma);
   const bool is_majority = 2 * run.size > summaries.size();
-  if (run.size < 2 || !is_majority) return std::nullopt;
+  if (!is_majority) return std::nullopt;
   FusedCell fused = FusedFrom(std::span(summaries).subspan(run.begin, run.size));
   if (fused.num_points < options.min_num_points) return std::nullopt;
   // Of all pairs: those that see a thin thing are few.

@@ -59,7 +59,7 @@ struct TerrainOptions {
   double outlier_sigma = 4.0;
   // Two pairs agree on a height if they differ by at most this, or by at most pair_agreement_sigma
   // deviations. The height of a cell is that on which most of its pairs agree. Without such a
-  // majority, and with one pair alone, the cell is unseen.
+  // majority it is unseen. With one pair alone, or two, its deviation is doubled.
   double max_pair_disagreement_m = 0.35;
   double pair_agreement_sigma = 2.0;
   // For each pair, this percentile of the pair's points in a cell is taken. The upper height of the

@@ -132,7 +132,9 @@ TEST_CASE("options: few are described, with default, unit and reason, as the con
   for (const auto& [stage, fields] : described["options"].items()) {
     const nlohmann::json& schema = schemas.at(stage).at("properties");
     CHECK(schema.size() == fields.size());
-    for (const auto& [name, option] : fields.items()) {
+    for (const auto& field_of_stage : fields.items()) {
+      const std::string name = field_of_stage.key();
+      const nlohmann::json& option = field_of_stage.value();
       CAPTURE(name);
       CHECK(schema.at(name).at("default") == option["default"]);
       const bool changes = option["changes_verdicts"];

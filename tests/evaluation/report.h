@@ -7,9 +7,9 @@
 
 namespace freelsd {
 
-// {safety, flown, found, things, maps, heights, frontend, poses, settings, worlds}; `worlds` are the
-// records themselves, by seed, so that a report can be continued. Of runs that end with their map
-// {maps, heights, poses, settings, worlds} alone.
+// {safety, flown, found, things, maps, heights, frontend, poses, settings, worlds}; `worlds` are
+// the records themselves, by seed, so that a report can be continued. Of runs that end with their
+// map {maps, heights, poses, settings, worlds} alone.
 nlohmann::json MakeReport(const nlohmann::json& settings, const nlohmann::json& records);
 
 std::string TableOf(const nlohmann::json& report);
