@@ -133,7 +133,7 @@ TEST_CASE("options: few are described, with default, unit and reason, as the con
     const nlohmann::json& schema = schemas.at(stage).at("properties");
     CHECK(schema.size() == fields.size());
     for (const auto& field_of_stage : fields.items()) {
-      const std::string name = field_of_stage.key();
+      const std::string& name = field_of_stage.key();
       const nlohmann::json& option = field_of_stage.value();
       CAPTURE(name);
       CHECK(schema.at(name).at("default") == option["default"]);
