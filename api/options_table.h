@@ -185,6 +185,7 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
   visit("outlier_sigma", o.outlier_sigma);
   visit("max_pair_disagreement_m", o.max_pair_disagreement_m);
   visit("pair_agreement_sigma", o.pair_agreement_sigma);
+  visit("unchecked_factor", o.unchecked_factor);
   visit("upper_percentile", o.upper_percentile);
   visit("max_relief_m", o.max_relief_m);
   visit("max_num_cells", o.max_num_cells);

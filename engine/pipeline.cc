@@ -244,6 +244,32 @@ std::optional<double> Frontend::GroundHeight() const {
   return first.world_from_camera.translation.z() - first.height_above_ground;
 }
 
+void PlanOnMap(const Snapshot& snapshot,
+               const std::vector<Candidate>& regions,
+               const Aircraft& aircraft,
+               const PipelineOptions& options,
+               Evaluation& evaluation) {
+  const PlannableGround ground(
+      evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
+  const auto plan = [&](const std::vector<Candidate>& candidates) {
+    return PlanSites(
+        candidates, snapshot.min_num_observations, ground, aircraft, options, evaluation);
+  };
+  evaluation.sites = WithMapSites(
+      plan(regions),  // Sec. III-H
+      {ground.with_obstacles().map, ground.with_obstacles().layers, evaluation.num_views},
+      aircraft,
+      options,
+      [&](const std::vector<Region>& fields) {
+        std::vector<Candidate> candidates;
+        for (const Region& field : fields) {
+          const Eigen::Vector2d place = field.Center().head<2>();
+          candidates.push_back({field, WindAt(place, snapshot.wind_samples, options.wind)});
+        }
+        return plan(candidates);
+      });
+}
+
 Evaluation EvaluateSites(const Snapshot& snapshot,
                          const RegionGroup& group,
                          const ImageSource& images,
@@ -282,25 +308,7 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   evaluation.wind =
       WindAt(0.5 * (group.area.min + group.area.max), snapshot.wind_samples, options.wind);
   cancellable.Tell(kLayersDone, "approach");
-  const PlannableGround ground(
-      evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
-  const auto plan = [&](const std::vector<Candidate>& candidates) {
-    return PlanSites(
-        candidates, snapshot.min_num_observations, ground, aircraft, options, evaluation);
-  };
-  evaluation.sites = WithMapSites(
-      plan(group.regions),  // Sec. III-H
-      {ground.with_obstacles().map, ground.with_obstacles().layers, evaluation.num_views},
-      aircraft,
-      options,
-      [&](const std::vector<Region>& fields) {
-        std::vector<Candidate> candidates;
-        for (const Region& field : fields) {
-          const Eigen::Vector2d place = field.Center().head<2>();
-          candidates.push_back({field, WindAt(place, snapshot.wind_samples, options.wind)});
-        }
-        return plan(candidates);
-      });
+  PlanOnMap(snapshot, group.regions, aircraft, options, evaluation);
   return evaluation;
 }
 

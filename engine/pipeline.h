@@ -88,6 +88,14 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                          const PipelineOptions& options,
                          const Progress& progress);
 
+// The last stage of EvaluateSites: plans the regions and sites found anywhere on the evaluation's
+// map, and sets its sites.
+void PlanOnMap(const Snapshot& snapshot,
+               const std::vector<Candidate>& regions,
+               const Aircraft& aircraft,
+               const PipelineOptions& options,
+               Evaluation& evaluation);
+
 // Processes a whole stored flight. The frontend processes all frames. Then all regions with a grade
 // above 0 are evaluated.
 Evaluation Detect(const Rig& rig,

@@ -11,6 +11,8 @@ constexpr int kNumBorderSamples = 16;
 constexpr double kFootprintMargin = 0.02;
 // Rays that are flatter than this show the horizon, or nearly.
 constexpr double kMinDescent = 0.02;
+// Where ground is taken as level, flatter rays end too far from where they should.
+constexpr double kMinCornerDescent = 0.2;
 
 }  // namespace
 
@@ -47,6 +49,23 @@ Footprint FootprintOf(const Camera& camera,
   const Eigen::Vector2d margin =
       kFootprintMargin * (footprint.max_in_world - footprint.min_in_world);
   return {footprint.min_in_world - margin, footprint.max_in_world + margin};
+}
+
+std::vector<Eigen::Vector2d> CornersOnGround(const Camera& camera,
+                                             const Rigid3d& world_from_camera,
+                                             double height_above_ground) {
+  const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
+  std::vector<Eigen::Vector2d> corners;
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0.0, 0.0),
+                                       Eigen::Vector2d(right, 0.0),
+                                       Eigen::Vector2d(right, bottom),
+                                       Eigen::Vector2d(0.0, bottom)}) {
+    const Eigen::Vector3d ray = world_from_camera.rotation * camera.RayFromImage(pixel);
+    if (ray.z() > -kMinCornerDescent) return {};
+    corners.push_back(world_from_camera.translation.head<2>() +
+                      ray.head<2>() * (height_above_ground / -ray.z()));
+  }
+  return corners;
 }
 
 }  // namespace freelsd

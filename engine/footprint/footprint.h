@@ -2,6 +2,8 @@
 // image shows.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
@@ -27,5 +29,11 @@ Footprint FootprintOf(const Camera& camera,
                       const Rigid3d& world_from_camera,
                       double lowest_m,
                       double highest_m);
+
+// Where the rays of the image's corners meet level ground, east-north, clockwise in the image from
+// its top left corner. Empty if a ray is flat (near the horizon).
+std::vector<Eigen::Vector2d> CornersOnGround(const Camera& camera,
+                                             const Rigid3d& world_from_camera,
+                                             double height_above_ground);
 
 }  // namespace freelsd

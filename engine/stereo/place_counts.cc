@@ -6,32 +6,13 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/footprint/footprint.h"
+
 namespace freelsd {
 namespace {
 
 constexpr double kMinCellM = 4.0;
 constexpr double kMaxNumCells = 1e6;
-// Flatter rays see too little of the ground.
-constexpr double kMinDescent = 0.2;
-
-// World east-north; empty if a corner of the image is near the horizon.
-std::vector<Eigen::Vector2d> GroundCorners(const AdjustedBlock& block, size_t index) {
-  const AdjustedView& view = block.views[index];
-  if (!view.is_connected) return {};
-  const Camera camera = block.CameraOf(index);
-  const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
-  std::vector<Eigen::Vector2d> corners;
-  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0.0, 0.0),
-                                       Eigen::Vector2d(right, 0.0),
-                                       Eigen::Vector2d(right, bottom),
-                                       Eigen::Vector2d(0.0, bottom)}) {
-    const Eigen::Vector3d ray = view.world_from_camera.rotation * camera.RayFromImage(pixel);
-    if (ray.z() > -kMinDescent) return {};
-    corners.push_back(view.world_from_camera.translation.head<2>() +
-                      ray.head<2>() * (view.height_above_ground / -ray.z()));
-  }
-  return corners;
-}
 
 }  // namespace
 
@@ -39,7 +20,11 @@ PlaceCounts::PlaceCounts(const AdjustedBlock& block) {
   std::vector<std::vector<Eigen::Vector2d>> corners;
   Eigen::AlignedBox2d box;
   for (size_t i = 0; i < block.views.size(); ++i) {
-    corners.push_back(GroundCorners(block, i));
+    const AdjustedView& view = block.views[i];
+    corners.emplace_back();
+    if (!view.is_connected) continue;
+    corners.back() =
+        CornersOnGround(block.CameraOf(i), view.world_from_camera, view.height_above_ground);
     for (const Eigen::Vector2d& corner : corners.back()) box.extend(corner);
   }
   footprints_.resize(corners.size());

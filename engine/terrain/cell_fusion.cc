@@ -74,13 +74,12 @@ class UpperHeight {
 // Pairs of overlapping photographs share their errors: of n pairs, about (n + 1) / 2 are
 // independent.
 double NumIndependent(size_t num_pairs) { return 0.5 * (static_cast<double>(num_pairs) + 1.0); }
-// Nothing checks one pair, and two cannot tell which of them is wrong.
-constexpr double kUncheckedFactor = 2.0;
-constexpr size_t kMaxNumUnchecked = 2;
+// Fewer pairs do not check each other.
+constexpr size_t kMinNumChecked = 3;
 
 // Weighted mean of pairs that agree. Its deviation follows from what they differ by, but is at
 // least what they tell themselves.
-FusedCell FusedFrom(std::span<const CellSummary> pairs) {
+FusedCell FusedFrom(std::span<const CellSummary> pairs, double unchecked_factor) {
   double weights = 0.0, heights = 0.0, told = 0.0;
   FusedCell fused;
   for (const CellSummary& pair : pairs) {
@@ -96,7 +95,7 @@ FusedCell FusedFrom(std::span<const CellSummary> pairs) {
   const auto num = static_cast<double>(pairs.size());
   const double of_one = std::max(spread / std::max(num - 1.0, 1.0), told / num);
   fused.standard_deviation = std::sqrt(of_one / NumIndependent(pairs.size()));
-  if (pairs.size() <= kMaxNumUnchecked) fused.standard_deviation *= kUncheckedFactor;
+  if (pairs.size() < kMinNumChecked) fused.standard_deviation *= unchecked_factor;
   return fused;
 }
 
@@ -111,7 +110,8 @@ std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
       LargestAgreement(summaries, options.max_pair_disagreement_m, options.pair_agreement_sigma);
   const bool is_majority = 2 * run.size > summaries.size();
   if (!is_majority) return std::nullopt;
-  FusedCell fused = FusedFrom(std::span(summaries).subspan(run.begin, run.size));
+  FusedCell fused =
+      FusedFrom(std::span(summaries).subspan(run.begin, run.size), options.unchecked_factor);
   if (fused.num_points < options.min_num_points) return std::nullopt;
   // Of all pairs: those that see a thin thing are few.
   UpperHeight upper;

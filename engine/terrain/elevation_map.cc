@@ -83,6 +83,7 @@ void TerrainOptions::Check() const {
   check.Inside("outlier_sigma", outlier_sigma, 1.0, 1e6);
   check.Inside("max_pair_disagreement_m", max_pair_disagreement_m, 0.01, 100.0);
   check.Inside("pair_agreement_sigma", pair_agreement_sigma, 0.0, 100.0);
+  check.Inside("unchecked_factor", unchecked_factor, 1.0, 100.0);
   check.Inside("upper_percentile", upper_percentile, 50.0, 100.0);
   check.Inside("max_relief_m", max_relief_m, 1.0, 10000.0);
   check.Inside("max_num_cells", max_num_cells, 1, 25000000);

@@ -59,9 +59,11 @@ struct TerrainOptions {
   double outlier_sigma = 4.0;
   // Two pairs agree on a height if they differ by at most this, or by at most pair_agreement_sigma
   // deviations. The height of a cell is that on which most of its pairs agree. Without such a
-  // majority it is unseen. With one pair alone, or two, its deviation is doubled.
+  // majority it is unseen. Nothing checks one pair, and two cannot tell which of them is wrong: their
+  // deviation is larger by unchecked_factor.
   double max_pair_disagreement_m = 0.35;
   double pair_agreement_sigma = 2.0;
+  double unchecked_factor = 2.0;
   // For each pair, this percentile of the pair's points in a cell is taken. The upper height of the
   // cell is the highest of these values. At least min_num_points points of one pair must reach it,
   // or two points in each of two pairs. A single outlier therefore never sets it. A mean would hide

@@ -17,14 +17,14 @@ constexpr double kMinDescent = 0.5;
 constexpr int kNodeSpacingPx = 16;
 
 // Bounds on the ground of what the photograph shows; empty when it looks at the sky.
-struct Footprint {
+struct GroundBox {
   Eigen::Vector2d min = Eigen::Vector2d::Constant(1e9);
   Eigen::Vector2d max = Eigen::Vector2d::Constant(-1e9);
 };
 
-Footprint FootprintOf(const View& view, const Camera& camera) {
+GroundBox BoxOf(const View& view, const Camera& camera) {
   constexpr int kNumSteps = 4;
-  Footprint footprint;
+  GroundBox footprint;
   for (int row = 0; row <= kNumSteps; ++row) {
     for (int col = 0; col <= kNumSteps; ++col) {
       const Eigen::Vector2d pixel(col * (camera.width_px - 1.0) / kNumSteps,
@@ -66,7 +66,7 @@ GroundImage SeenFromAbove(const View& view,
   TracksOptions at_width;
   at_width.matching_width_px = width_px;
   const TrackingImage reduced = ReduceForTracking(image, at_width);
-  const Footprint footprint = FootprintOf(view, camera);
+  const GroundBox footprint = BoxOf(view, camera);
   GroundImage ground;
   ground.ground_z = view.world_from_camera.translation.z() - view.height_above_ground;
   ground.pixel_m = view.height_above_ground / (camera.MeanFocalPx() * reduced.scale);

@@ -4,22 +4,15 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/footprint/footprint.h"
+
 namespace freelsd {
 namespace {
 
-// Corners of the photograph's footprint on level ground; empty if one is near the horizon.
 std::vector<cv::Point2f> FootprintCorners(const View& view, const Camera& camera) {
-  constexpr double kMinViewDescent = 0.2;
-  const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
   std::vector<cv::Point2f> corners;
-  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0.0, 0.0),
-                                       Eigen::Vector2d(right, 0.0),
-                                       Eigen::Vector2d(right, bottom),
-                                       Eigen::Vector2d(0.0, bottom)}) {
-    const Eigen::Vector3d ray = view.world_from_camera.rotation * camera.RayFromImage(pixel);
-    if (ray.z() > -kMinViewDescent) return {};
-    const Eigen::Vector2d place = view.world_from_camera.translation.head<2>() +
-                                  ray.head<2>() * (view.height_above_ground / -ray.z());
+  for (const Eigen::Vector2d& place :
+       CornersOnGround(camera, view.world_from_camera, view.height_above_ground)) {
     corners.emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()));
   }
   return corners;

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,9 +28,6 @@ struct TiePoint {
   Eigen::Vector2d point_in_from = Eigen::Vector2d::Zero();
   Eigen::Vector2d guess_in_to = Eigen::Vector2d::Zero();
 };
-
-// What ties of one view to another found: sightings in the latter.
-using Found = std::vector<Observation>;
 
 class OverlapFollower {
  public:
@@ -60,9 +57,9 @@ class OverlapFollower {
     });
   }
 
-  // Pairs that overlap and share too few points; of each view at least those num_tie_partners that
-  // show most of the same ground.
-  std::vector<ViewPair> LoosePairs() const {
+  // For each view, those from which points are followed into it: views that overlap it and share
+  // too few points with it, at least the num_tie_partners that show most of the same ground.
+  std::vector<std::vector<size_t>> Partners() const {
     std::vector<ViewPair> pairs = OverlappingPairs(views_, camera_, options_.min_tie_overlap_ratio);
     std::erase_if(pairs, [&](const ViewPair& pair) {
       return NumShared(pair) >= options_.max_num_shared_points;
@@ -70,21 +67,41 @@ class OverlapFollower {
     std::stable_sort(pairs.begin(), pairs.end(), [](const ViewPair& a, const ViewPair& b) {
       return a.overlap_ratio > b.overlap_ratio;
     });
-    std::vector<int> num_partners(views_.size(), 0);
-    std::erase_if(pairs, [&](const ViewPair& pair) {
-      const int of_first = num_partners[pair.first]++, of_second = num_partners[pair.second]++;
-      return std::min(of_first, of_second) >= options_.num_tie_partners;
-    });
-    return pairs;
+    const auto max_num = static_cast<size_t>(options_.num_tie_partners);
+    std::vector<std::vector<size_t>> partners(views_.size());
+    for (const auto& [first, second, ratio] : pairs) {
+      if (std::min(partners[first].size(), partners[second].size()) >= max_num) continue;
+      partners[first].push_back(second);
+      partners[second].push_back(first);
+    }
+    return partners;
   }
 
-  Found Follow(size_t from, size_t to) const {
-    if (reduced_[from].grey.empty() || reduced_[to].grey.empty()) return {};
+  // Sightings in `to` of points of the other views; of each track the first that is found.
+  std::vector<Observation> Follow(const std::vector<size_t>& partners, size_t to) const {
+    if (partners.empty() || reduced_[to].grey.empty()) return {};
+    PosedImage posed_to = PosedImageOf(to);
+    posed_to.image = WithPyramid(std::move(posed_to.image));
+    std::vector<Observation> found;
+    std::set<int64_t> known;
+    for (const size_t from : partners) {
+      for (const Observation& sighting : FollowFrom(from, to, posed_to)) {
+        if (known.insert(sighting.track_id).second) found.push_back(sighting);
+      }
+    }
+    return found;
+  }
+
+ private:
+  PosedImage PosedImageOf(size_t view) const {
+    return {reduced_[view], camera_.With(views_[view].readout), views_[view].world_from_camera};
+  }
+
+  std::vector<Observation> FollowFrom(size_t from, size_t to, const PosedImage& posed_to) const {
+    if (reduced_[from].grey.empty()) return {};
     const std::vector<TiePoint> ties = ChooseTies(from, to);
     if (static_cast<int>(ties.size()) < options_.min_num_tie_matches) return {};
     const PosedImage posed_from = PosedImageOf(from);
-    PosedImage posed_to = PosedImageOf(to);
-    posed_to.image = WithPyramid(std::move(posed_to.image));
     const auto overlap = OverlapOverGround(posed_from, posed_to, MedianHeight(ties));
     if (!overlap) return {};
     std::vector<Eigen::Vector2d> places, guesses;
@@ -95,11 +112,6 @@ class OverlapFollower {
     const auto followed =
         FollowOverGround(posed_from, posed_to, *overlap, places, guesses, options_);
     return Verified(posed_from, posed_to, ties, followed);
-  }
-
- private:
-  PosedImage PosedImageOf(size_t view) const {
-    return {reduced_[view], camera_.With(views_[view].readout), views_[view].world_from_camera};
   }
 
   int NumShared(const ViewPair& pair) const {
@@ -150,10 +162,11 @@ class OverlapFollower {
     return Median(std::move(heights));
   }
 
-  Found Verified(const PosedImage& from,
-                 const PosedImage& to,
-                 const std::vector<TiePoint>& ties,
-                 const std::vector<std::optional<Eigen::Vector2d>>& followed) const {
+  std::vector<Observation> Verified(
+      const PosedImage& from,
+      const PosedImage& to,
+      const std::vector<TiePoint>& ties,
+      const std::vector<std::optional<Eigen::Vector2d>>& followed) const {
     std::vector<size_t> kept;
     std::vector<Eigen::Vector2d> ideal_from, ideal_to;
     const double focal_px = camera_.MeanFocalPx() * to.image.scale;
@@ -163,7 +176,7 @@ class OverlapFollower {
       ideal_from.push_back(from.camera.NormalizedFromImage(ties[i].point_in_from) * focal_px);
       ideal_to.push_back(to.camera.NormalizedFromImage(*followed[i]) * focal_px);
     }
-    Found found;
+    std::vector<Observation> found;
     for (const int index : VerifyMatches(ideal_from,
                                          ideal_to,
                                          options_.max_verification_error_px,
@@ -184,17 +197,6 @@ class OverlapFollower {
   std::map<int64_t, size_t> num_views_of_;
 };
 
-// The first sighting of a track in a view counts.
-void Append(const Found& found, View& view) {
-  for (const Observation& sighting : found) {
-    const bool is_known = std::any_of(
-        view.observations.begin(), view.observations.end(), [&](const Observation& known) {
-          return known.track_id == sighting.track_id;
-        });
-    if (!is_known) view.observations.push_back(sighting);
-  }
-}
-
 }  // namespace
 
 std::vector<View> FollowIntoOverlaps(std::vector<View> views,
@@ -203,17 +205,15 @@ std::vector<View> FollowIntoOverlaps(std::vector<View> views,
                                      const ImageSource& images,
                                      const TracksOptions& options) {
   const OverlapFollower follower(views, points, camera, images, options);
-  const std::vector<ViewPair> pairs = follower.LoosePairs();
-  // Of each pair: into its second view, and into its first.
-  std::vector<Found> found(2 * pairs.size());
-  cv::parallel_for_({0, static_cast<int>(found.size())}, [&](const cv::Range& range) {
-    for (auto k = static_cast<size_t>(range.start); k < static_cast<size_t>(range.end); ++k) {
-      const auto [first, second, ratio] = pairs[k / 2];
-      found[k] = k % 2 == 0 ? follower.Follow(first, second) : follower.Follow(second, first);
+  const std::vector<std::vector<size_t>> partners = follower.Partners();
+  std::vector<std::vector<Observation>> found(views.size());
+  cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      found[i] = follower.Follow(partners[i], i);
     }
   });
-  for (size_t k = 0; k < found.size(); ++k) {
-    Append(found[k], k % 2 == 0 ? views[pairs[k / 2].second] : views[pairs[k / 2].first]);
+  for (size_t i = 0; i < views.size(); ++i) {
+    views[i].observations.insert(views[i].observations.end(), found[i].begin(), found[i].end());
   }
   return views;
 }

@@ -118,40 +118,6 @@ void Finish(Evaluation& evaluation, const Aircraft& aircraft, const HazardOption
       evaluation.map, rounded.layers, {aircraft.max_slope_deg, aircraft.max_roughness_m}, options);
 }
 
-// As the pipeline plans.
-void PlanSites(Evaluation& evaluation,
-               const Snapshot& snapshot,
-               const std::vector<Candidate>& regions,
-               const Aircraft& aircraft,
-               const PipelineOptions& options) {
-  const PlannableGround ground(
-      evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
-  const PlanOptions plan_options{options.approach, options.backend.max_surroundings_m};
-  const auto plan = [&](const std::vector<Candidate>& candidates) {
-    std::vector<Site> sites;
-    for (const Candidate& candidate : candidates) {
-      const PlanRequest request = RequestOf(candidate, snapshot.min_num_observations);
-      sites.push_back({.region = candidate.region,
-                       .wind = candidate.wind,
-                       .plan = ground.PlanFor(request, aircraft, plan_options)});
-    }
-    return sites;
-  };
-  evaluation.sites = WithMapSites(
-      plan(regions),
-      {ground.with_obstacles().map, ground.with_obstacles().layers, evaluation.num_views},
-      aircraft,
-      options,
-      [&](const std::vector<Region>& fields) {
-        std::vector<Candidate> candidates;
-        for (const Region& field : fields) {
-          const Eigen::Vector2d place = field.Center().head<2>();
-          candidates.push_back({field, WindAt(place, snapshot.wind_samples, options.wind)});
-        }
-        return plan(candidates);
-      });
-}
-
 }  // namespace
 
 std::vector<std::string> NamesOfGiven() {
@@ -193,7 +159,7 @@ EvaluateFlight EvaluateGiven(const GivenTruth& truth, const Aircraft& aircraft) 
     if (given.heights) GiveHeights(evaluation, truth, options.hazard.surface);
     if (given.kinds) GiveKinds(evaluation, truth.truth);
     if (given.heights || given.kinds) Finish(evaluation, aircraft, options.hazard);
-    PlanSites(evaluation, snapshot, regions, aircraft, options);
+    PlanOnMap(snapshot, regions, aircraft, options, evaluation);
     return evaluation;
   };
 }
