@@ -59,8 +59,8 @@ struct TerrainOptions {
   double outlier_sigma = 4.0;
   // Two pairs agree on a height if they differ by at most this, or by at most pair_agreement_sigma
   // deviations. The height of a cell is that on which most of its pairs agree. Without such a
-  // majority it is unseen. Nothing checks one pair, and two cannot tell which of them is wrong: their
-  // deviation is larger by unchecked_factor.
+  // majority it is unseen. Nothing checks one pair, and two cannot tell which of them is wrong:
+  // their deviation is larger by unchecked_factor.
   double max_pair_disagreement_m = 0.35;
   double pair_agreement_sigma = 2.0;
   double unchecked_factor = 2.0;

@@ -122,6 +122,7 @@ void Finish(Evaluation& evaluation, const Aircraft& aircraft, const HazardOption
 
 std::vector<std::string> NamesOfGiven() {
   std::vector<std::string> names;
+  names.reserve(kNamedGiven.size());
   for (const auto& [name, is_given] : kNamedGiven) names.emplace_back(name);
   return names;
 }
