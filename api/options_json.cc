@@ -229,6 +229,19 @@ void RefuseRetiredOptions(const nlohmann::json& object, const std::string& point
   });
 }
 
+nlohmann::json WithoutUnknownOptions(nlohmann::json object) {
+  const nlohmann::json known = OptionsValuesJson(PipelineOptions{});
+  nlohmann::json kept = nlohmann::json::object();
+  if (object.contains("preset")) kept["preset"] = object.at("preset");
+  for (const auto& [stage, fields] : known.items()) {
+    if (!object.contains(stage)) continue;
+    for (const auto& [name, value] : object.at(stage).items()) {
+      if (fields.contains(name)) kept[stage][name] = value;
+    }
+  }
+  return kept;
+}
+
 nlohmann::json OptionsValuesJson(const PipelineOptions& options) {
   nlohmann::json values = nlohmann::json::object();
   if (options.preset != Preset::kNone) values["preset"] = Written(options.preset);
