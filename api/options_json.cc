@@ -229,7 +229,7 @@ void RefuseRetiredOptions(const nlohmann::json& object, const std::string& point
   });
 }
 
-nlohmann::json WithoutUnknownOptions(nlohmann::json object) {
+nlohmann::json WithoutUnknownOptions(const nlohmann::json& object) {
   const nlohmann::json known = OptionsValuesJson(PipelineOptions{});
   nlohmann::json kept = nlohmann::json::object();
   if (object.contains("preset")) kept["preset"] = object.at("preset");
