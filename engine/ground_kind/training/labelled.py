@@ -12,8 +12,8 @@ NUM_COPIES = 3     # the picture as it is, then two with other colours and scale
 
 
 def picture_key(picture):
-    outlines = zlib.crc32(picture.region.tobytes())
-    return hashlib.sha1(f'{picture.pack}/{picture.name}/{outlines}'.encode()).hexdigest()[:16]
+    content = zlib.crc32(picture.image.tobytes(), zlib.crc32(picture.region.tobytes()))
+    return hashlib.sha1(f'{picture.pack}/{picture.name}/{content}'.encode()).hexdigest()[:16]
 
 
 def cached_rows(trunk, picture, folder):

@@ -16,6 +16,7 @@ from PIL import Image
 KINDS = ['grass', 'rough', 'crop', 'stubble', 'soil', 'sand', 'tree', 'water', 'sealed', 'snow']
 GROUND_SAMPLING_M = 0.2
 MIN_POLYGON_PX = 16        # 0.64 m2; smaller ones tell the network nothing
+MIN_RENDERED_PX = 250
 MAX_COMPONENTS = 14        # of one kind in one picture, the largest
 HERE = os.path.dirname(os.path.abspath(__file__))
 EVALUATION = os.path.join(HERE, '../../../tests/evaluation')
@@ -30,6 +31,13 @@ PLACE_CLASS = {'grass': 'grass', 'rough_grass': 'rough', 'crop': 'crop', 'stubbl
 DRONE_PACKS = ['drone_places', 'drone_singles', 'heziro_il', 'neon_10cm', 'oam_tcd', 'servo_decatur']
 SATELLITE_PACKS = ['rsscn7_s1', 'rsscn7_s2', 'rsscn7_unlabelled', 'vegas_sn2']
 
+# freelsd-frames --pictures: what a pixel of a rendered frame shows, by number of Cover; the others have no kind.
+COVER_KIND = {0: 'grass', 1: 'stubble', 2: 'soil', 3: 'rough', 4: 'soil', 5: 'sealed', 6: 'tree', 7: 'tree', 8: 'sealed',
+              9: 'crop', 10: 'water', 11: 'tree'}
+MEAN_LUMA = 107.0               # of 255: every picture is brought to it,
+GAIN_RANGE = (0.6, 5.0)         # within these limits
+BLACK = 5                       # largest channel of what lies outside an orthophoto
+
 Polygon = collections.namedtuple('Polygon', 'name kinds reader pixels')
 
 
@@ -38,6 +46,13 @@ def read_picture(path):
     if image is None:
         raise FileNotFoundError(path)
     return image
+
+
+def exposed(image):
+    """The picture multiplied so that its mean luma is MEAN_LUMA; what is black has no say."""
+    seen = image[image.max(2) > BLACK].astype(np.float32)
+    luma = float((seen @ np.array([0.114, 0.587, 0.299], np.float32)).mean()) if len(seen) else MEAN_LUMA
+    return np.clip(image * np.clip(MEAN_LUMA / max(luma, 1.0), *GAIN_RANGE), 0, 255).astype(np.uint8)
 
 
 class Picture:
@@ -49,7 +64,7 @@ class Picture:
         size = (max(8, round(width * scale)), max(8, round(height * scale)))
         how = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
         self.pack, self.place, self.name, self.sampling_m = pack, place, name, sampling_m
-        self.image = cv2.resize(image, size, interpolation=how)
+        self.image = exposed(cv2.resize(image, size, interpolation=how))
         self.source_size = (width, height)
         self.region = np.zeros(size[::-1], np.uint16)
         self.polygons = []
@@ -206,6 +221,22 @@ def terrain(data):
     yield picture
 
 
+def rendered(folder):
+    """Frames of worlds of the tuning seeds and their covers; every second frame has labels."""
+    for number, path in enumerate(sorted(glob.glob(f'{folder}/*_cover.png'))):
+        name = os.path.basename(path)[:-len('_cover.png')]
+        look = name.split('_')[0]
+        picture = Picture('rendered', f'{look}_worlds', name, read_picture(f'{folder}/{name}.png'), GROUND_SAMPLING_M)
+        cover = cv2.imread(path, cv2.IMREAD_UNCHANGED)
+        for index, kind in COVER_KIND.items() if number % 2 == 0 else ():
+            count, piece, stats, _ = cv2.connectedComponentsWithStats((cover == index).astype(np.uint8))
+            largest = sorted(range(1, count), key=lambda c: -stats[c, cv2.CC_STAT_AREA])[:3]
+            for c in largest:
+                if stats[c, cv2.CC_STAT_AREA] >= MIN_RENDERED_PX:
+                    picture.add_mask(piece == c, f'{index}.{c}', kind, 'truth')
+        yield picture
+
+
 def add_own_polygons(pictures):
     """polygons.csv: pack, picture, polygon, kind, reader, x y x y ... in pixels of the stored picture."""
     by_name = {(p.pack, p.name): p for p in pictures}
@@ -215,8 +246,9 @@ def add_own_polygons(pictures):
             picture.add_rings([numbers(row['ring'])], row['polygon'], row['kind'], row['reader'])
 
 
-def load(data):
+def load(data, rendered_folder=None):
     pictures = [p for source in (flights, places, terrain, ground_kind_packs) for p in source(data)]
+    pictures += rendered(rendered_folder) if rendered_folder else []
     add_own_polygons(pictures)
     return pictures
 

@@ -33,6 +33,7 @@ def read_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--data', default=os.environ.get('FREELSD_DATA'), help='default: FREELSD_DATA')
     parser.add_argument('--teacher', default=os.environ.get('FREELSD_TEACHER'), help='default: FREELSD_TEACHER')
+    parser.add_argument('--rendered', help='folder that freelsd-frames --pool tuning --pictures wrote; may be left out')
     parser.add_argument('--work', required=True, help='folder of intermediate results')
     parser.add_argument('--models', nargs='+', default=['shipped'] + FOLD_MODELS, choices=MODELS)
     parser.add_argument('--chunks', type=int, default=10, help='of 2000 unlabelled windows each')
@@ -53,7 +54,7 @@ def teach_windows(options):
     if all(os.path.exists(f'{folder}/{options.windows}_{k:03d}.npz') for k in range(options.chunks)):
         return folder
     trunk = Trunk(options.teacher).eval().to(memory_format=torch.channels_last)
-    everything = pictures.load(options.data)
+    everything = pictures.load(options.data, options.rendered)
     pictures.write_table(everything, f'{options.work}/table.csv')
     labelled = Labelled(trunk, everything, options.work)
     told = heads.fit_heads(labelled, heads.unlabelled_features(trunk, everything, options.work),

@@ -23,7 +23,7 @@ CELLS = WINDOW_PX // 8
 MAX_BLACK = 0.25            # share of a window outside an orthophoto
 # Windows of a chunk by place: flights and big places by hand, the others by the root of their area.
 SHARE = {'swindale': 150, 'garfield_park': 130, 'brighton_beach': 90, 'snowpeak_ebee': 130, 'cmac_au': 90, 'stubble_bales': 40,
-         'copr_dunes': 25, 'honduras_pool': 50}
+         'copr_dunes': 25, 'honduras_pool': 50, 'painted_worlds': 60, 'textured_worlds': 60, 'ground_worlds': 40}
 SATELLITE_SHARE = {'rsscn7': 620, 'vegas_sn2': 30}
 
 
