@@ -8,7 +8,7 @@ from pictures import KINDS
 from split import MODELS, NUM_FOLDS, fold_of, labels_teach, places_for, polygon_weights
 from teacher import Basis, around, fit_logistic
 
-DECAYS = [1e-3, 3e-3, 1e-2]
+DECAYS = [3e-3, 1e-2]
 NUM_BASIS_WINDOWS, CELLS_A_WINDOW = 1600, 12
 
 

@@ -6,9 +6,11 @@ import zlib
 
 import numpy as np
 
+from split import is_drone
 from teacher import polygon_rows
 
-NUM_COPIES = 3     # the picture as it is, then two with other colours and scales
+# The picture as it is, then some with other colours and scales.
+NUM_COPIES = {'drone': 3, 'satellite': 2}
 
 
 def picture_key(picture):
@@ -22,7 +24,8 @@ def cached_rows(trunk, picture, folder):
         with np.load(path) as file:
             return file['head'], file['features']
     rng = np.random.default_rng(zlib.crc32(f'{picture.pack}/{picture.name}'.encode()))
-    rows = [row for copy in range(NUM_COPIES) for row in polygon_rows(trunk, picture, copy, rng)]
+    copies = NUM_COPIES['drone' if is_drone(picture.place) else 'satellite']
+    rows = [row for copy in range(copies) for row in polygon_rows(trunk, picture, copy, rng)]
     head = np.array([row[:3] for row in rows], np.int32).reshape(-1, 3)
     features = np.stack([row[3] for row in rows]).astype(np.float16) if rows else np.zeros((0, 768), np.float16)
     np.savez(path, head=head, features=features)

@@ -49,10 +49,11 @@ def read_picture(path):
 
 
 def exposed(image):
-    """The picture multiplied so that its mean luma is MEAN_LUMA; what is black has no say."""
-    seen = image[image.max(2) > BLACK].astype(np.float32)
+    """The picture multiplied so that its mean luma, of every fourth row and column, is MEAN_LUMA; black has no say."""
+    some = image[::4, ::4].reshape(-1, 3)
+    seen = some[some.max(1) > BLACK].astype(np.float32)
     luma = float((seen @ np.array([0.114, 0.587, 0.299], np.float32)).mean()) if len(seen) else MEAN_LUMA
-    return np.clip(image * np.clip(MEAN_LUMA / max(luma, 1.0), *GAIN_RANGE), 0, 255).astype(np.uint8)
+    return cv2.convertScaleAbs(image, alpha=float(np.clip(MEAN_LUMA / max(luma, 1.0), *GAIN_RANGE)))
 
 
 class Picture:
