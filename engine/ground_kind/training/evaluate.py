@@ -4,7 +4,8 @@
   evaluate.py --work FOLDER --round NAME [--calibrate ground_kind.json]
 
 Each place is judged by the model of its fold. Scale, shift and threshold used on a fold come from the other folds.
---calibrate also writes scale, shift, threshold and cap of all folds together, which the product uses.
+--calibrate also writes scale, shift, threshold and cap of all folds together, which the product uses, and beside that
+file those for the model of each fold, from the other folds.
 """
 import argparse
 import json
@@ -112,7 +113,7 @@ def print_places(judged, usable, p, called):
 
 
 def calibration(judged, usable):
-    """What the product uses: of all folds together."""
+    """Scale and shift, threshold, and the largest probability that was earned."""
     line = platt(judged, usable)
     p, y = calibrated(judged, usable, line), judged.is_grass[usable]
     threshold = best_threshold(p, y)
@@ -122,6 +123,12 @@ def calibration(judged, usable):
             'threshold': threshold, 'largest_probability': round(min(0.97, max(0.9, earned)), 3),
             'sure_polygons': int(sure.sum()), 'sure_polygons_of_grass': int(y[sure].sum()),
             'polygons': int(usable.sum()), 'places': len(set(judged.place[usable]))}
+
+
+def write_calibrated(path, content, judged, usable):
+    with open(path, 'w') as file:
+        json.dump({**content, 'calibration': calibration(judged, usable)}, file, indent=2)
+        file.write('\n')
 
 
 def main():
@@ -151,10 +158,11 @@ def main():
     if options.calibrate:
         with open(options.calibrate) as file:
             content = json.load(file)
-        content['calibration'] = calibration(judged, judged.is_clear & drone)
-        with open(options.calibrate, 'w') as file:
-            json.dump(content, file, indent=2)
-            file.write('\n')
+        usable = judged.is_clear & drone
+        write_calibrated(options.calibrate, content, judged, usable)
+        for fold, model in enumerate(FOLD_MODELS):
+            path = os.path.join(os.path.dirname(options.calibrate), f'{model}.json')
+            write_calibrated(path, content, judged, usable & (judged.fold != fold))
 
 
 if __name__ == '__main__':

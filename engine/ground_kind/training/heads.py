@@ -9,7 +9,8 @@ from split import MODELS, NUM_FOLDS, fold_of, labels_teach, places_for, polygon_
 from teacher import Basis, around, fit_logistic
 
 DECAYS = [3e-3, 1e-2]
-NUM_BASIS_WINDOWS, CELLS_A_WINDOW = 1600, 12
+BASELINE_DECAY = 3e-3     # three places: no fourth to choose it by
+NUM_BASIS_WINDOWS, CELLS_A_WINDOW = 900, 16
 
 
 def unlabelled_features(trunk, pictures, work):
@@ -77,7 +78,7 @@ def choose_decay(x, labels, may_teach, folds):
     return DECAYS[int(np.argmin(told))], told
 
 
-def fit_heads(labelled, unlabelled, path):
+def fit_heads(labelled, unlabelled, path, decay_of_all=None):
     """model -> (axes, offset): logits of the kinds = features @ axes + offset. Kept in the file."""
     features, places = unlabelled
     labels = Labels(labelled)
@@ -91,7 +92,9 @@ def fit_heads(labelled, unlabelled, path):
         x = basis.project(everything)
         may_teach = places_for(labels.place, model, labels_teach)
         folds = [k for k in range(NUM_FOLDS) if f'fold{k}' != model]
-        decay, told = (3e-3, []) if model == 'baseline' else choose_decay(x, labels, may_teach, folds)
+        decay, told = decay_of_all or BASELINE_DECAY, []
+        if decay_of_all is None and model != 'baseline':
+            decay, told = choose_decay(x, labels, may_teach, folds)
         matrix = fit(x, labels, may_teach, decay)
         print(f'teacher of {model}: {may_teach.sum()} polygons of {len(set(labels.place[may_teach]))} places, decay {decay}'
               f' {np.round(told, 4)}', flush=True)

@@ -55,7 +55,7 @@ def look_at_photographs(options):
 
 def grass_by_opencv(network, image, calibration):
     """Calibrated probability of grass at a quarter of the picture's size, as the product computes it."""
-    frame = padded(pictures.exposed(image))
+    frame = padded(image)
     network.setInput(cv2.dnn.blobFromImage(frame, 1 / SCALE, mean=(OFFSET,) * 3))
     logits = network.forward()[0]
     e = np.exp(logits - logits.max(0))

@@ -34,9 +34,6 @@ SATELLITE_PACKS = ['rsscn7_s1', 'rsscn7_s2', 'rsscn7_unlabelled', 'vegas_sn2']
 # freelsd-frames --pictures: what a pixel of a rendered frame shows, by number of Cover; the others have no kind.
 COVER_KIND = {0: 'grass', 1: 'stubble', 2: 'soil', 3: 'rough', 4: 'soil', 5: 'sealed', 6: 'tree', 7: 'tree', 8: 'sealed',
               9: 'crop', 10: 'water', 11: 'tree'}
-MEAN_LUMA = 107.0               # of 255: every picture is brought to it,
-GAIN_RANGE = (0.6, 5.0)         # within these limits
-BLACK = 5                       # largest channel of what lies outside an orthophoto
 
 Polygon = collections.namedtuple('Polygon', 'name kinds reader pixels')
 
@@ -48,14 +45,6 @@ def read_picture(path):
     return image
 
 
-def exposed(image):
-    """The picture multiplied so that its mean luma, of every fourth row and column, is MEAN_LUMA; black has no say."""
-    some = image[::4, ::4].reshape(-1, 3)
-    seen = some[some.max(1) > BLACK].astype(np.float32)
-    luma = float((seen @ np.array([0.114, 0.587, 0.299], np.float32)).mean()) if len(seen) else MEAN_LUMA
-    return cv2.convertScaleAbs(image, alpha=float(np.clip(MEAN_LUMA / max(luma, 1.0), *GAIN_RANGE)))
-
-
 class Picture:
     """image: BGR at 0.2 m. region: 0 where unlabelled, else 1 + index into polygons."""
 
@@ -65,7 +54,7 @@ class Picture:
         size = (max(8, round(width * scale)), max(8, round(height * scale)))
         how = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
         self.pack, self.place, self.name, self.sampling_m = pack, place, name, sampling_m
-        self.image = exposed(cv2.resize(image, size, interpolation=how))
+        self.image = cv2.resize(image, size, interpolation=how)
         self.source_size = (width, height)
         self.region = np.zeros(size[::-1], np.uint16)
         self.polygons = []

@@ -42,6 +42,7 @@ def read_arguments():
     parser.add_argument('--round', default='a', help='name of this training in the work folder')
     parser.add_argument('--start', help='round whose networks the training starts from')
     parser.add_argument('--rate', type=float, default=3e-3)
+    parser.add_argument('--decay', type=float, help='pull to zero of the teachers; else chosen by places left out')
     parser.add_argument('--strength', type=float, default=1.8, help='of the colour variation')
     parser.add_argument('--windows', default='a', help='name of the windows in the work folder')
     return parser.parse_args()
@@ -58,7 +59,7 @@ def teach_windows(options):
     pictures.write_table(everything, f'{options.work}/table.csv')
     labelled = Labelled(trunk, everything, options.work)
     told = heads.fit_heads(labelled, heads.unlabelled_features(trunk, everything, options.work),
-                           f'{options.work}/heads_{options.windows}.npz')
+                           f'{options.work}/heads_{options.windows}.npz', options.decay)
     for number in range(options.chunks):
         windows.make_chunk(trunk, told, everything, number, folder, options.windows)
     return folder

@@ -81,12 +81,9 @@ def trunk_features(trunk, windows):
 
 
 def copies_of(windows, rng):
-    """Four views of each window: as it is, turned and mildly varied, mirrored, strongly varied. With the way back."""
+    """Two views of each window: as it is; turned by half and varied. With the way back."""
     yield windows, lambda p: p
-    mild = np.stack([vary(w, rng, 1.0) for w in windows[:, ::-1, ::-1]])
-    yield mild, lambda p: p[..., ::-1, ::-1]
-    yield np.ascontiguousarray(windows[:, :, ::-1]), lambda p: p[..., ::-1]
-    yield np.stack([vary(w, rng, 1.8) for w in windows]), lambda p: p
+    yield np.stack([vary(w, rng, 1.4) for w in windows[:, ::-1, ::-1]]), lambda p: p[..., ::-1, ::-1]
 
 
 def answers(trunk, heads, windows, rng):
@@ -100,7 +97,7 @@ def answers(trunk, heads, windows, rng):
         log_p = logits - np.log(np.exp(logits - logits.max(-1, keepdims=True)).sum(-1, keepdims=True)) - logits.max(
             -1, keepdims=True)
         total = total + back(log_p.transpose(3, 0, 4, 1, 2))
-    return total / 4
+    return total / 2
 
 
 def make_chunk(trunk, heads, pictures, number, folder, tag):
