@@ -31,7 +31,7 @@ DECAY = 1e-2
 def curve(options):
     """Teacher: labels of a random part of the places that may teach a fold's model, drone places first."""
     trunk = Trunk(options.teacher).eval().to(memory_format=torch.channels_last)
-    everything = [p for p in pictures.load(options.data) if p.polygons]
+    everything = pictures.load_labelled(options.data)
     labelled = Labelled(trunk, everything, options.work)
     labels = heads.Labels(labelled)
     features, places = heads.unlabelled_features(trunk, None, options.work)
@@ -104,7 +104,7 @@ def without_part(part, shown, told, places, labelled_places):
 
 
 def students(options):
-    everything = [p for p in pictures.load(options.data) if p.polygons]
+    everything = pictures.load_labelled(options.data)
     labelled_places = sorted({p.place for p in everything})
     rows = {part: [] for part in PARTS}
     for model in [f'fold{k}' for k in options.folds]:

@@ -144,7 +144,7 @@ def main():
 
     def everything():
         if not loaded:
-            loaded.extend(p for p in pictures.load(options.data) if p.polygons)
+            loaded.extend(pictures.load_labelled(options.data))
         return loaded
 
     judged = Judged(judged_rows(options, everything))

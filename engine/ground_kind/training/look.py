@@ -47,7 +47,7 @@ def overlay(image, p):
 
 def look_at_photographs(options):
     os.makedirs(options.out, exist_ok=True)
-    for picture in pictures.load(options.data):
+    for picture in pictures.load_labelled(options.data):
         if (picture.pack, picture.name) in PHOTOGRAPHS:
             net = load_student(student_path(options.work, options.round, f'fold{fold_of(picture.place)}'))
             cv2.imwrite(f'{options.out}/{picture.place}.png', overlay(picture.image, probabilities(net, picture.image)))

@@ -122,15 +122,17 @@ def add_components(picture, mask, names, readings, reader):
                 picture.add_mask(inside, f'{index}.{component}', read_kinds, read_by)
 
 
-def ground_kind_packs(data):
+def ground_kind_packs(data, with_unlabelled=True):
     readings = split_readings()
     for pack in DRONE_PACKS + SATELLITE_PACKS:
         folder = f'{data}/ground_kinds/{pack}'
         with open(f'{folder}/images.csv') as lines:
             for row in csv.DictReader(lines):
+                path = f"{folder}/masks/{row['name']}.png"
+                if not with_unlabelled and not os.path.exists(path):
+                    continue
                 image = read_picture(f"{folder}/images/{row['name']}.jpg")
                 picture = Picture(pack, pack_place(pack, row), row['name'], image, pack_sampling(pack, row))
-                path = f"{folder}/masks/{row['name']}.png"
                 if os.path.exists(path):
                     mask = np.array(Image.open(path))   # OpenCV would expand the palette
                     add_components(picture, mask, PACK_INDEX, readings, 'pack')
@@ -241,6 +243,13 @@ def load(data, rendered_folder=None):
     pictures += rendered(rendered_folder) if rendered_folder else []
     add_own_polygons(pictures)
     return pictures
+
+
+def load_labelled(data):
+    pictures = [p for source in (flights, places, terrain) for p in source(data)]
+    pictures += ground_kind_packs(data, with_unlabelled=False)
+    add_own_polygons(pictures)
+    return [p for p in pictures if p.polygons]
 
 
 def write_table(pictures, path):
