@@ -17,7 +17,7 @@ import numpy as np
 import torch
 
 import pictures
-from judge import BORDER_PX, STRIDE_PX, load_student, padded, probabilities, student_path
+from judge import BORDER_PX, STRIDE_PX, brightened, load_student, padded, probabilities, student_path
 from pictures import KINDS
 from split import fold_of
 from student import OFFSET, SCALE
@@ -55,7 +55,7 @@ def look_at_photographs(options):
 
 def grass_by_opencv(network, image, calibration):
     """Calibrated probability of grass at a quarter of the picture's size, as the product computes it."""
-    frame = padded(image)
+    frame = padded(brightened(image))
     network.setInput(cv2.dnn.blobFromImage(frame, 1 / SCALE, mean=(OFFSET,) * 3))
     logits = network.forward()[0]
     e = np.exp(logits - logits.max(0))

@@ -34,6 +34,7 @@ SATELLITE_PACKS = ['rsscn7_s1', 'rsscn7_s2', 'rsscn7_unlabelled', 'vegas_sn2']
 # freelsd-frames --pictures: what a pixel of a rendered frame shows, by number of Cover; the others have no kind.
 COVER_KIND = {0: 'grass', 1: 'stubble', 2: 'soil', 3: 'rough', 4: 'soil', 5: 'sealed', 6: 'tree', 7: 'tree', 8: 'sealed',
               9: 'crop', 10: 'water', 11: 'tree'}
+NO_KIND = 255
 
 Polygon = collections.namedtuple('Polygon', 'name kinds reader pixels')
 
@@ -220,6 +221,9 @@ def rendered(folder):
         look = name.split('_')[0]
         picture = Picture('rendered', f'{look}_worlds', name, read_picture(f'{folder}/{name}.png'), GROUND_SAMPLING_M)
         cover = cv2.imread(path, cv2.IMREAD_UNCHANGED)
+        picture.truth = np.full(cover.shape, NO_KIND, np.uint8)     # number of the kind of each pixel
+        for index, kind in COVER_KIND.items():
+            picture.truth[cover == index] = KINDS.index(kind)
         for index, kind in COVER_KIND.items() if number % 2 == 0 else ():
             count, piece, stats, _ = cv2.connectedComponentsWithStats((cover == index).astype(np.uint8))
             largest = sorted(range(1, count), key=lambda c: -stats[c, cv2.CC_STAT_AREA])[:3]

@@ -66,10 +66,10 @@ def draw_batch(windows, told, size, strength, rng):
 def divergence(logits, log_target):
     """Kullback-Leibler from the teacher, by window; the border cells are left out: the window ends there. Cells
     without a target (NaN) do not count."""
-    log_target = torch.log_softmax(log_target, 1)
-    cell = (log_target.exp() * (log_target - torch.log_softmax(logits, 1))).sum(1)[:, 1:-1, 1:-1]
-    has_target = ~torch.isnan(cell)
-    return torch.nan_to_num(cell).sum((1, 2)) / has_target.sum((1, 2)).clamp(min=1)
+    has_target = ~torch.isnan(log_target[:, 0])
+    log_target = torch.log_softmax(torch.nan_to_num(log_target), 1)
+    cell = (log_target.exp() * (log_target - torch.log_softmax(logits, 1))).sum(1) * has_target
+    return cell[:, 1:-1, 1:-1].sum((1, 2)) / has_target[:, 1:-1, 1:-1].sum((1, 2)).clamp(min=1)
 
 
 def follow(average, net, rate):

@@ -16,10 +16,12 @@ if any(os.environ.get(name) != value for name, value in MALLOC.items()):
     os.execve(sys.executable, [sys.executable] + sys.argv, {**os.environ, **MALLOC})
 
 import cv2  # noqa: E402
+import numpy as np  # noqa: E402
 import torch  # noqa: E402
 
 import export  # noqa: E402
 import heads  # noqa: E402
+import judge  # noqa: E402
 import pictures  # noqa: E402
 import seen_colours  # noqa: E402
 import student  # noqa: E402
@@ -27,6 +29,8 @@ import windows  # noqa: E402
 from labelled import Labelled  # noqa: E402
 from split import FOLD_MODELS, MODELS  # noqa: E402
 from teacher import Trunk  # noqa: E402
+
+RENDERED_SHARE = 0.5    # of rendered windows with true kinds, beside all others
 
 
 def read_arguments():
@@ -72,6 +76,10 @@ def train_student(options, folder, model):
         net.load_state_dict(torch.load(path))
         return net.eval()
     shown, told, _ = windows.load_chunks(folder, options.windows, range(options.chunks), model)
+    if model == 'shipped' and options.rendered:     # worlds judge it: their truth has more say than the teacher
+        count = round(len(shown) * RENDERED_SHARE)
+        more = windows.rendered_windows(list(pictures.rendered(options.rendered)), count, options.seed)
+        shown, told = np.concatenate([shown, more[0]]), np.concatenate([told, more[1]])
     start = torch.load(f'{options.work}/students/{options.start}_{model}.pt') if options.start else None
     net = student.train(shown, told, options.steps, options.seed, start, options.rate,
                         strength=options.strength, name=f'{options.round} {model}')
@@ -84,7 +92,8 @@ def describe(options, folder):
     shown, _, _ = windows.load_chunks(folder, options.windows, range(options.chunks), 'shipped')
     content = {'kinds': pictures.KINDS, 'metres_per_pixel': pictures.GROUND_SAMPLING_M, 'stride_px': 4,
                'input': {'order': 'BGR', 'offset': student.OFFSET, 'scale': student.SCALE, 'multiple_of_px': 16,
-                         'border_px': 24},
+                         'border_px': judge.BORDER_PX, 'dark_luma': judge.DARK_LUMA,
+                         'brightened_luma': judge.BRIGHTENED_LUMA, 'largest_gain': judge.LARGEST_GAIN},
                'colours': seen_colours.describe(shown, options.strength)}
     with open(f'{options.work}/folds/ground_kind.json', 'w') as file:
         json.dump(content, file, indent=2)

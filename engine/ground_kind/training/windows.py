@@ -42,7 +42,8 @@ def shares(pictures):
     return weight
 
 
-def draw_window(image, rng):
+def draw_window(image, rng, truth=None):
+    """A window; with the truth of each pixel also that of each cell's centre."""
     height, width = image.shape[:2]
     smallest = np.clip(90 / min(height, width), 0.7, 2.0)    # small pictures are enlarged, not mirrored all over
     scale = smallest * np.exp(rng.uniform(0, np.log(2.0)))
@@ -52,8 +53,27 @@ def draw_window(image, rng):
     x = rng.uniform(min(reach, width / 2), max(width - reach, width / 2))
     y = rng.uniform(min(reach, height / 2), max(height - reach, height / 2))
     shift = WINDOW_PX / 2 - turn @ np.array([x, y])
-    return cv2.warpAffine(image, np.hstack([turn, shift[:, None]]), (WINDOW_PX, WINDOW_PX), flags=cv2.INTER_LINEAR,
-                          borderMode=cv2.BORDER_REFLECT_101)
+    move, size = np.hstack([turn, shift[:, None]]), (WINDOW_PX, WINDOW_PX)
+    window = cv2.warpAffine(image, move, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
+    if truth is None:
+        return window
+    warped = cv2.warpAffine(truth, move, size, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REFLECT_101)
+    return window, warped[4::8, 4::8]
+
+
+def rendered_windows(pictures, count, seed):
+    """Windows of rendered frames; the answer is the true kind (0.98), NaN where a cell has none."""
+    rng = np.random.default_rng(seed)
+    windows, told = [], np.full((count, len(KINDS), CELLS, CELLS), np.nan, np.float16)
+    for k in range(count):
+        picture = pictures[rng.integers(len(pictures))]
+        window, truth = draw_window(picture.image, rng, picture.truth)
+        windows.append(window)
+        for kind in np.unique(truth[truth < len(KINDS)]):
+            answer = np.full((len(KINDS), 1), np.log(0.02 / (len(KINDS) - 1)))
+            answer[kind] = np.log(0.98)
+            told[k][:, truth == kind] = answer
+    return np.stack(windows), told
 
 
 def draw_windows(pictures, count, seed):
