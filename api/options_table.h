@@ -238,8 +238,6 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("min_detail_ratio", o.min_detail_ratio);
   visit("max_even_slope_deg", o.max_even_slope_deg);
   visit("max_even_roughness_m", o.max_even_roughness_m);
-  visit("min_overreach_deviations", o.min_overreach_deviations);
-  visit("overreach_surroundings_m", o.overreach_surroundings_m);
   visit("min_object_deviations", o.min_object_deviations);
   visit("object_surroundings_m", o.object_surroundings_m);
   visit("min_object_area_m2", o.min_object_area_m2);

@@ -53,6 +53,8 @@ struct Label {
 // One per Segments::segments, same order.
 using Labels = std::vector<Label>;
 
+Surface SurfaceOf(double probability, const ClassificationOptions& options);
+
 // A trained random forest and its feature set. Immutable, safe to share between threads.
 class Classifier {
  public:

@@ -101,12 +101,6 @@ std::shared_ptr<Classifier::Model> ReadModel(const cv::FileStorage& file) {
   return model;
 }
 
-Surface SurfaceOf(double probability, const ClassificationOptions& options) {
-  if (probability >= options.min_grass_probability) return Surface::kGrass;
-  if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
-  return Surface::kUnsure;
-}
-
 // Neither too dark, nor burnt out, nor as red as vegetation in infrared.
 bool CanBeTold(const cv::Scalar& mean_bgr, const ClassificationOptions& options) {
   const double grey = (mean_bgr[0] + mean_bgr[1] + mean_bgr[2]) / 3.0;
@@ -136,6 +130,12 @@ std::vector<cv::Rect> BoxesOf(const cv::Mat1i& labels, size_t num_labels) {
 }
 
 }  // namespace
+
+Surface SurfaceOf(double probability, const ClassificationOptions& options) {
+  if (probability >= options.min_grass_probability) return Surface::kGrass;
+  if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
+  return Surface::kUnsure;
+}
 
 void ClassificationOptions::Check() const {
   const FieldCheck check("classification");

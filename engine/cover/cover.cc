@@ -7,10 +7,9 @@
 #include <opencv2/core/utility.hpp>
 
 #include "engine/cover/fences.h"
-#include "engine/cover/grass.h"
+#include "engine/cover/kind_fusion.h"
 #include "engine/cover/look_alikes.h"
 #include "engine/cover/open_cover.h"
-#include "engine/cover/overreach.h"
 #include "engine/cover/small_objects.h"
 
 namespace freelsd {
@@ -71,26 +70,9 @@ class Denials {
 struct CoverInput {
   const ElevationMap& map;
   const GroundSurface& surface;
-  const std::vector<GrassView>& grass_views;
+  const std::vector<KindView>& kind_views;
   const Orthophoto& photo;
 };
-
-// Denies overreach of segments and fences.
-void DenySoftBorders(const ElevationMap& map,
-                     const GroundSurface& surface,
-                     const CoverOptions& options,
-                     const Orthophoto& photo,
-                     GroundCover& cover) {
-  if (photo.image.empty()) return;
-  Denials denials(cover);
-  const cv::Mat1b is_even = EvenGrass(map, surface, cover.grass, options);
-  if (options.min_overreach_deviations > 0.0) {
-    denials.Deny("overreach", OverreachingGrass(cover.grass, photo, map.grid, options));
-  }
-  if (options.min_fence_deviations > 0.0) {
-    denials.Deny("fence", FindFences(photo, is_even, map.grid, options));
-  }
-}
 
 // Grass by the views, and by rules, each of which has a veto.
 void AddGrassByRules(const CoverInput& input,
@@ -99,7 +81,7 @@ void AddGrassByRules(const CoverInput& input,
                      GroundCover& cover) {
   const ElevationMap& map = input.map;
   const Orthophoto& photo = input.photo;
-  cover.grass = FuseGrass(map, input.grass_views, options);
+  cover.grass = FuseKinds(map, input.kind_views, options).grass;
   cover.cues.push_back(LayerOf("views", LogOddsOf(cover.grass)));
   cv::Mat1b look_alikes;
   cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
@@ -113,7 +95,9 @@ void AddGrassByRules(const CoverInput& input,
   // Fences and objects are still part of their meadow here.
   cells.is_meadow = cover.grass >= options.min_grass_posterior;
   denials.Deny("small_object", cells.objects);
-  DenySoftBorders(map, input.surface, options, photo, cover);
+  if (photo.image.empty() || options.min_fence_deviations == 0.0) return;
+  const cv::Mat1b is_even = EvenGrass(map, input.surface, cover.grass, options);
+  denials.Deny("fence", FindFences(photo, is_even, map.grid, options));
 }
 
 }  // namespace
@@ -126,13 +110,13 @@ int8_t CueStepOf(float log_odds) {
 
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
-                        const std::vector<GrassView>& grass_views,
+                        const std::vector<KindView>& kind_views,
                         const CoverOptions& options,
                         Orthophoto photo) {
   options.Check();
   GroundCover cover;
   if (map.elevation.empty()) {
-    cover.grass = FuseGrass(map, grass_views, options);
+    cover.grass = FuseKinds(map, kind_views, options).grass;
     return cover;
   }
   const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);
@@ -140,7 +124,7 @@ GroundCover AssessCover(const ElevationMap& map,
   photo.second_image.release();
   photo.second_seen.release();
   MeadowCells cells;
-  AddGrassByRules({map, surface, grass_views, photo}, options, cells, cover);
+  AddGrassByRules({map, surface, kind_views, photo}, options, cells, cover);
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
   cells.is_meadow |= cells.is_clear_class;
   cover.open = FindOpenCover(disagreement, map.grid, cells, options.photo);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/ground_kind/ground_kind.h"
 #include "engine/terrain/terrain.h"
 
 namespace freelsd {
@@ -112,13 +113,6 @@ struct CoverOptions {
   // searched for on even grass.
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
-  // Image segments may extend across soft borders into other ground. Therefore two mean colours are
-  // measured within overreach_surroundings_m of a grass cell: the colour of grass, and the colour
-  // of other ground. If these colours differ by less than min_overreach_deviations deviations, the
-  // cell stays grass. Otherwise the cell loses its class if its colour is nearer to the colour of
-  // other ground. min_overreach_deviations = 0: no search.
-  double min_overreach_deviations = 2.0;
-  double overreach_surroundings_m = 30.0;
   // Boulders, animals and cars differ from their surroundings in colour or brightness. An object is
   // a patch of at least min_object_area_m2 that differs by min_object_deviations deviations. The
   // surroundings are a square of side object_surroundings_m. min_object_deviations = 0: no search.
@@ -143,14 +137,12 @@ struct CoverOptions {
   void Check() const;
 };
 
-// Fine mask of one view, in image coordinates. It is projected onto the map.
-struct GrassView {
+// What one view says of the ground, in image coordinates. It is projected onto the map.
+struct KindView {
   Rigid3d world_from_camera;
   // Camera of the full-size image.
   Camera camera;
-  // At working size: 0 = not classified (edges, dark, unsure), else 1 + round(254 * probability).
-  cv::Mat1b mask;
-  double image_px_per_mask_px = 1.0;
+  KindPicture picture;
 };
 
 // The ground seen from straight above. Each cell is taken from the view that looks down on it most
@@ -217,7 +209,7 @@ struct GroundCover {
 // If the orthophoto is empty, nothing is searched for.
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
-                        const std::vector<GrassView>& grass_views,
+                        const std::vector<KindView>& kind_views,
                         const CoverOptions& options,
                         Orthophoto photo = {});
 

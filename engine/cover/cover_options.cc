@@ -45,8 +45,6 @@ void CoverOptions::Check() const {
   check.Inside("min_detail_ratio", min_detail_ratio, 0.0, 1.0);
   check.Inside("max_even_slope_deg", max_even_slope_deg, 0.0, 90.0);
   check.Inside("max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0);
-  check.Inside("min_overreach_deviations", min_overreach_deviations, 0.0, 1000.0);
-  check.Inside("overreach_surroundings_m", overreach_surroundings_m, 1.0, 200.0);
   check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);
   check.Inside("object_surroundings_m", object_surroundings_m, 1.0, 40.0);
   check.Inside("min_object_area_m2", min_object_area_m2, 0.0, 1000.0);

@@ -94,7 +94,6 @@ CoverOptions PaperCover() {
   options.min_rut_contrast = 0.0;
   options.min_row_strength = 0.0;
   options.min_detail_ratio = 0.0;
-  options.min_overreach_deviations = 0.0;
   options.min_object_deviations = 0.0;
   options.min_fence_deviations = 0.0;
   options.max_telling_sampling_m = 10.0;

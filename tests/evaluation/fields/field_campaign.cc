@@ -52,8 +52,8 @@ Json ReadRecords(const FieldCampaignOptions& options) {
 // Gives out flights and takes records, to and from several threads.
 class Campaign {
  public:
-  Campaign(const FieldCampaignOptions& options, const Classifier& classifier)
-      : options_(options), classifier_(classifier), records_(ReadRecords(options)) {
+  Campaign(const FieldCampaignOptions& options, const GroundModel& ground_model)
+      : options_(options), ground_model_(ground_model), records_(ReadRecords(options)) {
     for (const Json& record : records_) done_.insert(KeyOf(record));
   }
 
@@ -77,7 +77,7 @@ class Campaign {
                                                *AircraftProfile(profile),
                                                options_.blindings,
                                                ParseOptions(options_.engine_options, "")},
-                                              classifier_);
+                                              ground_model_);
       Keep(RecordOf(survey));
     }
   }
@@ -94,7 +94,7 @@ class Campaign {
   }
 
   const FieldCampaignOptions& options_;
-  const Classifier& classifier_;
+  const GroundModel& ground_model_;
   // Guards records_, which the jobs share, and the file of the records.
   std::mutex mutex_;
   Json records_;
@@ -120,10 +120,10 @@ void FieldCampaignOptions::Check() const {
   }
 }
 
-Json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier) {
+Json RunFieldCampaign(const FieldCampaignOptions& options, const GroundModel& ground_model) {
   options.Check();
   cv::setNumThreads(1);
-  return Campaign(options, classifier).Run();
+  return Campaign(options, ground_model).Run();
 }
 
 }  // namespace freelsd

@@ -35,6 +35,7 @@ struct FieldCampaignOptions {
 
 // {"settings": ..., "surveys": [...]}, by flight and aircraft. Throws std::runtime_error when
 // nothing can be read, or when the report to go on from has other settings.
-nlohmann::json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier);
+nlohmann::json RunFieldCampaign(const FieldCampaignOptions& options,
+                                const GroundModel& ground_model);
 
 }  // namespace freelsd

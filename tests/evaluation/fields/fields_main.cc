@@ -24,7 +24,7 @@ void Run(const Arguments& arguments) {
     options.blindings.push_back(BlindingNamed(name).value());
   }
   const std::string model = arguments.model.empty() ? options.ModelFile() : arguments.model;
-  const auto report = RunFieldCampaign(options, Classifier::Parse(ReadTextFile(model)));
+  const auto report = RunFieldCampaign(options, ReadGroundModel(model).model);
   for (const nlohmann::json& survey : report.at("surveys")) {
     std::cout << survey.at("flight") << ", " << survey.at("aircraft") << ": "
               << survey.at("counts").dump() << "\n";
@@ -55,7 +55,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
         campaign.engine_options = nlohmann::json::parse(ReadTextFile(path));
       },
       "JSON file with options of the engine: {preset: name, stage: {field: value}}");
-  app.add_option("--model", arguments.model, "grass classifier, instead of the options' own")
+  app.add_option("--model", arguments.model, "model of the ground, instead of the options' own")
       ->check(CLI::ExistingFile);
 }
 

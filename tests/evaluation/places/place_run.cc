@@ -78,15 +78,13 @@ PlacePhotograph Read(const PlaceRunOptions& options,
 }
 
 PhotographAnswers Answer(const PlacePhotograph& photograph,
-                         const Classifier& classifier,
+                         const KindModel& model,
                          const SecondOpinions& opinions) {
   PhotographAnswers answers;
   answers.place = photograph.place;
   answers.photograph = photograph.name;
   answers.ground_sampling_m = photograph.ground_sampling_m;
-  answers.is_coarse =
-      photograph.ground_sampling_m >= SegmentationOptions{}.detail_sampling_distance_m;
-  answers.polygons = AnswersOf(photograph, classifier);
+  answers.polygons = AnswersOf(photograph, model);
   for (PolygonAnswer& answer : answers.polygons) {
     const auto opinion = opinions.find({photograph.place, answer.id});
     if (opinion != opinions.end()) answer.second_opinion = opinion->second;
@@ -99,13 +97,13 @@ PhotographAnswers Answer(const PlacePhotograph& photograph,
 Json RunPlaces(const PlaceRunOptions& options) {
   // The jobs are the threads.
   cv::setNumThreads(1);
-  const Classifier classifier = Classifier::Parse(ReadTextFile(options.model));
+  const KindModel model = std::get<KindModel>(ReadGroundModel(options.model).model);
   const std::vector<PlaceCamera> cameras = ReadPlaceCameras(options.cameras);
   const SecondOpinions opinions = SecondOpinionsIn(options.labels);
   const std::vector<Work> work = WorkOf(options);
   std::vector<PhotographAnswers> answers(work.size());
   DoAll(work.size(), options.num_jobs, [&](size_t i) {
-    answers[i] = Answer(Read(options, work[i], cameras), classifier, opinions);
+    answers[i] = Answer(Read(options, work[i], cameras), model, opinions);
     if (options.swaps_kinds) SwapKinds(answers[i]);
   });
   return MakePlaceReport(std::move(answers));

@@ -1,6 +1,7 @@
-#include "engine/cover/grass.h"
+#include "engine/cover/kind_fusion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -20,6 +21,7 @@ struct Votes {
   uint16_t num_looks = 0;
   uint16_t num_votes = 0;
   bool has_grass = false;
+  std::array<float, kNumGroundKinds> others{};
 };
 
 // Rounds half away from zero like std::lround, which compilers do not inline.
@@ -94,7 +96,7 @@ bool MaySee(const Rigid3d& camera_from_world, double half_angle, const Sphere& s
 
 class Voter {
  public:
-  Voter(const GrassView& view, double min_probability, double max_probability)
+  Voter(const KindView& view, double min_probability, double max_probability)
       : view_(view),
         camera_from_world_(Inverse(view.world_from_camera)),
         rotation_(camera_from_world_.rotation.toRotationMatrix()),
@@ -114,26 +116,30 @@ class Voter {
     const std::optional<Eigen::Vector2d> pixel =
         view_.camera.ImageFromCamera(rotation_ * place_in_world + camera_from_world_.translation);
     if (!pixel || !view_.camera.IsInside(*pixel)) return;
-    const Eigen::Vector2d in_mask = (pixel->array() + 0.5) / view_.image_px_per_mask_px - 0.5;
-    const int x = Rounded(in_mask.x()), y = Rounded(in_mask.y());
-    if (x < 0 || y < 0 || x >= view_.mask.cols || y >= view_.mask.rows) return;
+    const KindPicture& picture = view_.picture;
+    const Eigen::Vector2d in_picture = (pixel->array() + 0.5) / picture.image_px_per_px - 0.5;
+    const int x = Rounded(in_picture.x()), y = Rounded(in_picture.y());
+    if (x < 0 || y < 0 || x >= picture.grass.cols || y >= picture.grass.rows) return;
     ++votes.num_looks;
-    const uint8_t value = view_.mask(y, x);
+    const uint8_t value = picture.grass(y, x);
     if (value == 0) return;
     ++votes.num_votes;
     votes.log_odds += log_odds_[value];
     votes.has_grass = votes.has_grass || (value - 1) / 254.0 >= kBinaryProbability;
+    if (picture.other.empty()) return;
+    const OtherKind other = OtherKind::Unpack(picture.other(y, x));
+    votes.others[static_cast<size_t>(other.kind)] += other.probability;
   }
 
  private:
-  const GrassView& view_;
+  const KindView& view_;
   Rigid3d camera_from_world_;
   Eigen::Matrix3d rotation_;
   double half_angle_;
   float log_odds_[256];
 };
 
-float Fuse(const Votes& votes, const CoverOptions& options) {
+float FusedGrass(const Votes& votes, const CoverOptions& options) {
   const bool is_classified =
       votes.num_votes > 0 && votes.num_votes >= options.min_vote_ratio * votes.num_looks;
   if (options.grass_fusion == GrassFusion::kPaperOr && votes.num_votes > 0) {
@@ -144,6 +150,14 @@ float Fuse(const Votes& votes, const CoverOptions& options) {
   const double log_odds =
       mean * std::min<double>(votes.num_votes, options.max_num_independent_views);
   return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
+}
+
+uint8_t FusedOther(const Votes& votes) {
+  const auto likeliest = std::max_element(votes.others.begin(), votes.others.end());
+  if (!(*likeliest > 0.0f)) return 0;
+  return OtherKind{static_cast<GroundKind>(likeliest - votes.others.begin()),
+                   *likeliest / static_cast<float>(votes.num_votes)}
+      .Packed();
 }
 
 // Calls take(row, col, votes) for every cell that the map sees.
@@ -165,13 +179,13 @@ void CountBlock(const ElevationMap& map,
 
 template <typename Take>
 void CountBlocks(const ElevationMap& map,
-                 const std::vector<GrassView>& grass_views,
+                 const std::vector<KindView>& kind_views,
                  double min_probability,
                  double max_probability,
                  Take take) {
   std::vector<Voter> voters;
-  for (const GrassView& view : grass_views) {
-    if (!view.mask.empty()) voters.emplace_back(view, min_probability, max_probability);
+  for (const KindView& view : kind_views) {
+    if (!view.picture.grass.empty()) voters.emplace_back(view, min_probability, max_probability);
   }
   const cv::Rect whole({}, map.elevation.size());
   for (int row = 0; row < whole.height; row += kBlockSize) {
@@ -183,17 +197,21 @@ void CountBlocks(const ElevationMap& map,
 
 }  // namespace
 
-cv::Mat1f FuseGrass(const ElevationMap& map,
-                    const std::vector<GrassView>& grass_views,
-                    const CoverOptions& options) {
-  cv::Mat1f grass(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
-  CountBlocks(
-      map,
-      grass_views,
-      options.min_observation_probability,
-      options.max_observation_probability,
-      [&](int row, int col, const Votes& votes) { grass(row, col) = Fuse(votes, options); });
-  return grass;
+FusedKinds FuseKinds(const ElevationMap& map,
+                     const std::vector<KindView>& kind_views,
+                     const CoverOptions& options) {
+  FusedKinds fused{
+      cv::Mat1f(map.elevation.size(), std::numeric_limits<float>::quiet_NaN()),
+      cv::Mat1b::zeros(map.elevation.size())};
+  CountBlocks(map,
+              kind_views,
+              options.min_observation_probability,
+              options.max_observation_probability,
+              [&](int row, int col, const Votes& votes) {
+                fused.grass(row, col) = FusedGrass(votes, options);
+                fused.other(row, col) = FusedOther(votes);
+              });
+  return fused;
 }
 
 }  // namespace freelsd
