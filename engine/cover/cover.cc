@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
@@ -51,6 +52,19 @@ cv::Mat1f LogOddsOf(const cv::Mat1f& probability) {
   return log_odds;
 }
 
+// The likeliest kind of each cell, with the rules applied. `other`: of the kinds beside grass.
+cv::Mat1b LikeliestKinds(const cv::Mat1f& grass, const cv::Mat1b& other) {
+  constexpr float kLikelier = 0.5f;
+  cv::Mat1b kinds = other.clone();
+  for (int row = 0; row < kinds.rows; ++row) {
+    for (int col = 0; col < kinds.cols; ++col) {
+      if (!(grass(row, col) >= kLikelier)) continue;
+      kinds(row, col) = LikelyKind{GroundKind::kGrass, grass(row, col)}.Packed();
+    }
+  }
+  return kinds;
+}
+
 // Rules deny grass one after the other, and are noted.
 class Denials {
  public:
@@ -81,7 +95,7 @@ void AddGrassByRules(const CoverInput& input,
                      GroundCover& cover) {
   const ElevationMap& map = input.map;
   const Orthophoto& photo = input.photo;
-  cover.grass = FuseKinds(map, input.kind_views, options).grass;
+  std::tie(cover.grass, cover.kind) = FuseKinds(map, input.kind_views, options);
   cover.cues.push_back(LayerOf("views", LogOddsOf(cover.grass)));
   cv::Mat1b look_alikes;
   cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
@@ -116,7 +130,7 @@ GroundCover AssessCover(const ElevationMap& map,
   options.Check();
   GroundCover cover;
   if (map.elevation.empty()) {
-    cover.grass = FuseKinds(map, kind_views, options).grass;
+    std::tie(cover.grass, cover.kind) = FuseKinds(map, kind_views, options);
     return cover;
   }
   const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);
@@ -125,6 +139,7 @@ GroundCover AssessCover(const ElevationMap& map,
   photo.second_seen.release();
   MeadowCells cells;
   AddGrassByRules({map, surface, kind_views, photo}, options, cells, cover);
+  cover.kind = LikeliestKinds(cover.grass, cover.kind);
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
   cells.is_meadow |= cells.is_clear_class;
   cover.open = FindOpenCover(disagreement, map.grid, cells, options.photo);

@@ -29,15 +29,10 @@ void CoverOptions::Check() const {
   check.Inside("min_observation_probability", min_observation_probability, 0.001, 0.499);
   check.Inside("max_observation_probability", max_observation_probability, 0.501, 0.999);
   check.Inside("max_num_independent_views", max_num_independent_views, 1.0, 1000.0);
+  check.Inside("kind_smoothing_m", kind_smoothing_m, 0.0, 100.0);
+  check.Inside("min_smoothed_probability", min_smoothed_probability, 0.0, 1.0);
   check.Inside("min_vote_ratio", min_vote_ratio, 0.0, 1.0);
   check.Inside("upper_margin_m", upper_margin_m, 0.0, 10.0);
-  check.Inside("min_rut_contrast", min_rut_contrast, 0.0, 1.0);
-  check.Inside("rut_filter_length_m", rut_filter_length_m, 3.0, 20.0);
-  check.Inside("min_track_length_m", min_track_length_m, 1.0, 1000.0);
-  check.Inside("max_working_width_m", max_working_width_m, 3.0, 100.0);
-  check.Inside("min_working_width_m", min_working_width_m, 3.0, max_working_width_m);
-  check.Inside("sprayed_margin_m", sprayed_margin_m, 0.0, 100.0);
-  check.Inside("max_field_color_deviations", max_field_color_deviations, 0.0, 100.0);
   check.Inside("max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0);
   check.Inside("min_row_strength", min_row_strength, 0.0, 1e6);
   check.Inside("max_row_spacing_m", max_row_spacing_m, 0.1, 10.0);

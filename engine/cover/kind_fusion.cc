@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include <opencv2/imgproc.hpp>
+
 namespace freelsd {
 namespace {
 
@@ -127,7 +129,7 @@ class Voter {
     votes.log_odds += log_odds_[value];
     votes.has_grass = votes.has_grass || (value - 1) / 254.0 >= kBinaryProbability;
     if (picture.other.empty()) return;
-    const OtherKind other = OtherKind::Unpack(picture.other(y, x));
+    const LikelyKind other = LikelyKind::Unpack(picture.other(y, x));
     votes.others[static_cast<size_t>(other.kind)] += other.probability;
   }
 
@@ -139,24 +141,41 @@ class Voter {
   float log_odds_[256];
 };
 
-float FusedGrass(const Votes& votes, const CoverOptions& options) {
-  const bool is_classified =
-      votes.num_votes > 0 && votes.num_votes >= options.min_vote_ratio * votes.num_looks;
-  if (options.grass_fusion == GrassFusion::kPaperOr && votes.num_votes > 0) {
-    return votes.has_grass ? 1.0f : 0.0f;
+// Mean log-odds of grass over the views; NaN where too few of them told the cell.
+float MeanLogOdds(const Votes& votes, const CoverOptions& options) {
+  if (votes.num_votes == 0 || votes.num_votes < options.min_vote_ratio * votes.num_looks) {
+    return std::numeric_limits<float>::quiet_NaN();
   }
-  if (!is_classified) return std::numeric_limits<float>::quiet_NaN();
-  const double mean = votes.log_odds / votes.num_votes;
-  const double log_odds =
-      mean * std::min<double>(votes.num_votes, options.max_num_independent_views);
-  return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
+  if (options.grass_fusion == GrassFusion::kPaperOr) {
+    return votes.has_grass ? std::numeric_limits<float>::infinity()
+                           : -std::numeric_limits<float>::infinity();
+  }
+  return votes.log_odds / static_cast<float>(votes.num_votes);
+}
+
+// What grows is the same over more than a cell, and the network's noise is not.
+cv::Mat1f Smoothed(const cv::Mat1f& log_odds, double cell_size_m, const CoverOptions& options) {
+  if (options.kind_smoothing_m == 0.0) return log_odds;
+  const cv::Mat1b is_told = log_odds == log_odds;
+  cv::Mat1f sum = cv::Mat1f::zeros(log_odds.size()), weight;
+  log_odds.copyTo(sum, is_told);
+  is_told.convertTo(weight, CV_32F, 1.0 / 255.0);
+  const double deviation = options.kind_smoothing_m / cell_size_m;
+  cv::GaussianBlur(sum, sum, {}, deviation, 0.0, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(weight, weight, {}, deviation, 0.0, cv::BORDER_CONSTANT);
+  const double least = options.min_smoothed_probability;
+  const cv::Mat1b is_smoothed = log_odds >= std::log(least / (1.0 - least));
+  cv::Mat1f smoothed = log_odds.clone();
+  cv::divide(sum, weight, sum);
+  sum.copyTo(smoothed, is_smoothed);
+  return smoothed;
 }
 
 uint8_t FusedOther(const Votes& votes) {
   const auto likeliest = std::max_element(votes.others.begin(), votes.others.end());
   if (!(*likeliest > 0.0f)) return 0;
-  return OtherKind{static_cast<GroundKind>(likeliest - votes.others.begin()),
-                   *likeliest / static_cast<float>(votes.num_votes)}
+  return LikelyKind{static_cast<GroundKind>(likeliest - votes.others.begin()),
+                    *likeliest / static_cast<float>(votes.num_votes)}
       .Packed();
 }
 
@@ -197,21 +216,29 @@ void CountBlocks(const ElevationMap& map,
 
 }  // namespace
 
-FusedKinds FuseKinds(const ElevationMap& map,
-                     const std::vector<KindView>& kind_views,
-                     const CoverOptions& options) {
-  FusedKinds fused{
-      cv::Mat1f(map.elevation.size(), std::numeric_limits<float>::quiet_NaN()),
-      cv::Mat1b::zeros(map.elevation.size())};
+std::pair<cv::Mat1f, cv::Mat1b> FuseKinds(const ElevationMap& map,
+                                          const std::vector<KindView>& kind_views,
+                                          const CoverOptions& options) {
+  cv::Mat1f log_odds(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
+  cv::Mat1f num_independent = cv::Mat1f::zeros(map.elevation.size());
+  cv::Mat1b other = cv::Mat1b::zeros(map.elevation.size());
+  const auto most = static_cast<float>(options.max_num_independent_views);
   CountBlocks(map,
               kind_views,
               options.min_observation_probability,
               options.max_observation_probability,
               [&](int row, int col, const Votes& votes) {
-                fused.grass(row, col) = FusedGrass(votes, options);
-                fused.other(row, col) = FusedOther(votes);
+                log_odds(row, col) = MeanLogOdds(votes, options);
+                num_independent(row, col) = std::min(static_cast<float>(votes.num_votes), most);
+                other(row, col) = FusedOther(votes);
               });
-  return fused;
+  cv::Mat1f grass = Smoothed(log_odds, map.grid.cell_size_m, options);
+  std::transform(grass.begin(),
+                 grass.end(),
+                 num_independent.begin(),
+                 grass.begin(),
+                 [](float mean, float num) { return 1.0f / (1.0f + std::exp(-num * mean)); });
+  return {grass, other};
 }
 
 }  // namespace freelsd

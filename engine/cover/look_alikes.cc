@@ -7,10 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/cover/crop_fields.h"
 #include "engine/cover/photo_bands.h"
 #include "engine/cover/photo_features.h"
-#include "engine/cover/wheel_tracks.h"
 #include "engine/geometry/geometry.h"
 
 namespace freelsd {
@@ -39,7 +37,7 @@ constexpr double kHaloM = 48.0;
 constexpr double kDetailM = 0.5;
 constexpr double kDetailSquareM = 6.0;
 // Avoids a division by zero: the mean is 0 where nothing is seen.
-constexpr double kNoWeight = 1e-6;
+constexpr double kLeastWeight = 1e-6;
 
 cv::Mat1f Brightness(const Orthophoto& photo) {
   cv::Mat1f brightness;
@@ -277,7 +275,7 @@ cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options) {
   // Averages seen cells only: edges of holes are no detail, and water has many holes.
   cv::GaussianBlur(brightness.mul(seen), coarse, {}, kDetailM / cell);
   cv::GaussianBlur(seen, weight, {}, kDetailM / cell);
-  const cv::Mat1f detail = (brightness - coarse / (weight + kNoWeight)).mul(seen);
+  const cv::Mat1f detail = (brightness - coarse / (weight + kLeastWeight)).mul(seen);
   const auto mean_of = [side = BoxSide(kDetailSquareM / cell)](const cv::Mat1f& values) {
     return BoxMean(values, side, BoxBorder::kMirrored);
   };
@@ -297,18 +295,13 @@ cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options) {
 
 cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const CoverOptions& options) {
   if (photo.image.empty()) return {};
-  cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
-  if (options.min_rut_contrast > 0.0) {
-    const cv::Mat1b sprayed = SprayedGround(FindWheelTracks(photo, options), grid, options);
-    found |= WithRestOfField(sprayed, photo, grid, options);
-  }
   const auto find = [&](const PhotoBand& band) {
     cv::Mat1b in_band = cv::Mat1b::zeros(band.photo.image.size());
     if (options.min_row_strength > 0.0) in_band |= RowCrops(band.photo, options);
     if (options.min_detail_ratio > 0.0) in_band |= StillWater(band.photo, options);
     return in_band;
   };
-  return found | OnMap(FindInBands(photo, kHaloM, find), grid);
+  return OnMap(FindInBands(photo, kHaloM, find), grid);
 }
 
 }  // namespace freelsd

@@ -6,8 +6,8 @@
 
 namespace freelsd {
 
-// One value per cell of `grid`: 255 if the cell contains sprayed crops (wheel_tracks.h), crops in
-// rows or still water, else 0. Empty if the orthophoto is empty.
+// One value per cell of `grid`: 255 if the cell contains crops in rows or still
+// water, else 0. Empty if the orthophoto is empty.
 cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const CoverOptions& options);
 
 // Crops in rows (maize, beets, potatoes, vines): one direction and one spacing dominate the

@@ -52,18 +52,18 @@ class KindModel {
 struct KindPicture {
   // 0 = not told, else 1 + round(254 * probability of grass), calibrated.
   cv::Mat1b grass;
-  // The likeliest of the other kinds and its probability (OtherKind); empty if only grass is told.
+  // The likeliest of the other kinds and its probability (LikelyKind); empty if only grass is told.
   cv::Mat1b other;
   double image_px_per_px = 1.0;
 };
 
 // A kind in the upper half of a byte, its probability in steps of 1/15, rounded down, in the lower.
-struct OtherKind {
+struct LikelyKind {
   GroundKind kind = GroundKind::kRough;
   float probability = 0.0f;
 
   uint8_t Packed() const;
-  static OtherKind Unpack(uint8_t packed);
+  static LikelyKind Unpack(uint8_t packed);
 };
 
 // Runs the network. The result has the same bytes on any number of threads. Not thread-safe; a

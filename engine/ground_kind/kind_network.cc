@@ -124,7 +124,7 @@ float CalibratedGrass(const Probabilities& shares, const KindModel::Content& mod
 }
 
 // The other kinds share what is not grass as before.
-OtherKind LikeliestOther(const Probabilities& shares, float grass) {
+LikelyKind LikeliestOther(const Probabilities& shares, float grass) {
   const auto likeliest = std::max_element(shares.begin() + 1, shares.end());
   const float rest = std::max(1.0f - shares[0], 1e-6f);
   return {static_cast<GroundKind>(likeliest - shares.begin()), *likeliest / rest * (1.0f - grass)};
@@ -132,12 +132,12 @@ OtherKind LikeliestOther(const Probabilities& shares, float grass) {
 
 }  // namespace
 
-uint8_t OtherKind::Packed() const {
+uint8_t LikelyKind::Packed() const {
   const auto step = static_cast<int>(std::clamp(probability, 0.0f, 1.0f) * kNumProbabilitySteps);
   return static_cast<uint8_t>(16 * static_cast<int>(kind) + step);
 }
 
-OtherKind OtherKind::Unpack(uint8_t packed) {
+LikelyKind LikelyKind::Unpack(uint8_t packed) {
   return {static_cast<GroundKind>(packed / 16),
           static_cast<float>(packed % 16) / kNumProbabilitySteps};
 }

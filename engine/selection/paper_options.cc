@@ -91,7 +91,7 @@ CoverOptions PaperCover() {
   CoverOptions options;
   options.grass_fusion = GrassFusion::kPaperOr;
   options.min_vote_ratio = 0.0;
-  options.min_rut_contrast = 0.0;
+  options.kind_smoothing_m = 0.0;
   options.min_row_strength = 0.0;
   options.min_detail_ratio = 0.0;
   options.min_object_deviations = 0.0;

@@ -16,7 +16,6 @@ using Paint = std::function<Color(const Eigen::Vector2d& place_in_world)>;
 
 // A meadow, and a green of which a share is missing, as in a rut.
 const Color kGreen{62.0, 120.0, 74.0};
-const Color kRut{68.0, 114.0, 90.0};
 // Deviation of the brightness of one cell; that of its colour is smaller by as much.
 constexpr double kNoise = 8.0;
 constexpr double kColorNoiseRatio = 0.25;

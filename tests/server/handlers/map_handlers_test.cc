@@ -98,7 +98,8 @@ TEST_CASE("flight map: its layers are listed with absolute addresses that work")
                                  "distance",
                                  "height_sd",
                                  "coverage",
-                                 "risk"}) {
+                                 "risk",
+                                 "kind"}) {
     CAPTURE(name);
     CHECK(std::find(names.begin(), names.end(), name) != names.end());
   }
