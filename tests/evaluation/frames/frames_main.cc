@@ -41,7 +41,6 @@ struct Arguments {
   std::string json;
   // Folder for all rendered frames and their covers; none if empty.
   std::string pictures;
-  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
 };
 
 uint64_t FirstSeed(const Arguments& arguments, Pool pool) {
@@ -88,10 +87,9 @@ std::vector<LabelledPicture> ReadAndRender(const Arguments& arguments, Pool pool
 }
 
 TilesOfLooks Measured(const std::vector<LabelledPicture>& pictures, const Arguments& arguments) {
-  const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
   TilesOfLooks tiles;
   for (const LabelledPicture& picture : pictures) {
-    for (const auto& [cover, measures] : MeasureTiles(picture, classifier, arguments.tiles)) {
+    for (const auto& [cover, measures] : MeasureTiles(picture, arguments.tiles)) {
       LookTiles& of_look = tiles[cover][picture.look];
       of_look.measures.insert(of_look.measures.end(), measures.begin(), measures.end());
       ++of_look.num_pictures;
@@ -159,7 +157,6 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 64));
   app.add_option("--json", arguments.json, "the same numbers");
   app.add_option("--pictures", arguments.pictures, "folder for all rendered frames and covers");
-  app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
 }
 
 }  // namespace
