@@ -98,8 +98,6 @@ template <class Visitor>
 void VisitFields(Of<ClassificationOptions> auto& o, Visitor&& visit) {
   visit("min_grass_probability", o.min_grass_probability);
   visit("max_not_grass_probability", o.max_not_grass_probability);
-  visit("min_mean_grey", o.min_mean_grey);
-  visit("max_mean_grey", o.max_mean_grey);
 }
 
 template <class Visitor>

@@ -45,8 +45,6 @@ ClassificationOptions PaperClassification() {
   ClassificationOptions options;
   options.min_grass_probability = 0.5;
   options.max_not_grass_probability = 0.499;
-  options.min_mean_grey = 0.0;
-  options.max_mean_grey = 255.0;
   return options;
 }
 

@@ -104,10 +104,8 @@ Contest PaperFeatures(const BenchScene& scene) {
           SizeOf(image),
           [segments] {
             for (const Segment& segment : segments.segments) {
-              Consume(RegionFeatures(segments.image,
-                                     segments.labels == segment.label,
-                                     segments.ground_sampling_distance_m,
-                                     FeatureSet::kPaper18)
+              Consume(RegionFeatures(
+                          segments.image, segments.labels == segment.label, FeatureSet::kPaper18)
                           .front());
             }
           },

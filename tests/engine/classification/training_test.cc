@@ -1,4 +1,4 @@
-// Training in the published form: forest and perceptron, chosen by ten random folds.
+// Training as the paper does: forest and perceptron, chosen by ten random folds.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -33,9 +33,8 @@ std::vector<TrainingSample> Samples(double shift) {
   return samples;
 }
 
-TrainingOptions Published() {
+TrainingOptions SmallTraining() {
   TrainingOptions options;
-  options.form = TrainingForm::kPublished;
   options.feature_set = FeatureSet::kRgb;
   options.max_depths = {2, 6};
   options.min_samples_per_branch = {2, 10};
@@ -43,7 +42,7 @@ TrainingOptions Published() {
   return options;
 }
 
-TEST_CASE("published training: ten folds of equal size hold every sample once") {
+TEST_CASE("training: ten folds of equal size hold every sample once") {
   const std::vector<int> folds = RandomFolds(95, 10, 1);
   REQUIRE(folds.size() == 95);
   for (int fold = 0; fold < 10; ++fold) {
@@ -54,7 +53,7 @@ TEST_CASE("published training: ten folds of equal size hold every sample once") 
   CHECK(RandomFolds(95, 10, 2) != folds);
 }
 
-TEST_CASE("published training: cross-validation never predicts a sample that was learnt from") {
+TEST_CASE("training: cross-validation never predicts a sample that was learnt from") {
   const std::vector<TrainingSample> samples = Samples(0.0);
   size_t num_predicted = 0;
   const Learner learner = [&](const SamplePointers& training) -> Predictor {
@@ -73,8 +72,8 @@ TEST_CASE("published training: cross-validation never predicts a sample that was
   CHECK(AreaUnderCurve(predictions) == doctest::Approx(0.5));
 }
 
-TEST_CASE("published training: the probability is the share of votes, whatever the features") {
-  const auto [classifier, report] = TrainClassifier(Samples(0.0), "test data", Published());
+TEST_CASE("training: the probability is the share of votes, whatever the features") {
+  const auto [classifier, report] = TrainClassifier(Samples(0.0), "test data", SmallTraining());
   CHECK(report.random_fold_error_ratio < 0.05);
   CHECK(report.random_fold_auc > 0.95);
   const Classifier read = Classifier::Parse(classifier.Serialize());
@@ -88,12 +87,21 @@ TEST_CASE("published training: the probability is the share of votes, whatever t
   CHECK(read.Predict({0.0f, 1e6f, 0.0f, 0.0f, 0.0f, 0.0f}) >= 0.5);
 }
 
-TEST_CASE("published training: random folds hide that a place was never seen") {
-  const TrainingReport report = TrainClassifier(Samples(6.0), "test data", Published()).second;
+TEST_CASE("training: random folds hide that a place was never seen") {
+  const TrainingReport report = TrainClassifier(Samples(6.0), "test data", SmallTraining()).second;
   CHECK(report.leave_one_place_out_error_ratio > report.random_fold_error_ratio + 0.1);
 }
 
-TEST_CASE("published training: the perceptron learns what can be told, and always the same") {
+TEST_CASE("training: one place alone has no score of a place that was never seen") {
+  std::vector<TrainingSample> samples = Samples(0.0);
+  for (TrainingSample& sample : samples) sample.place = "a";
+  const TrainingReport report = TrainClassifier(samples, "test data", SmallTraining()).second;
+  CHECK(report.random_fold_error_ratio < 0.05);
+  CHECK(std::isnan(report.leave_one_place_out_error_ratio));
+  CHECK(std::isnan(report.leave_one_place_out_auc));
+}
+
+TEST_CASE("training: the perceptron learns what can be told, and always the same") {
   const PerceptronReport report = ValidatePerceptron(Samples(0.0), PerceptronOptions{});
   CHECK(report.random_fold_error_ratio < 0.05);
   CHECK(report.random_fold_auc > 0.95);
@@ -105,7 +113,7 @@ TEST_CASE("published training: the perceptron learns what can be told, and alway
   CHECK(again.random_fold_auc == report.random_fold_auc);
 }
 
-TEST_CASE("published training: bad options of the perceptron are named") {
+TEST_CASE("training: bad options of the perceptron are named") {
   PerceptronOptions options;
   options.nums_hidden = {};
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
