@@ -155,7 +155,7 @@ float MeanLogOdds(const Votes& votes, const CoverOptions& options) {
 
 // What grows is the same over more than a cell, and the network's noise is not.
 cv::Mat1f Smoothed(const cv::Mat1f& log_odds, double cell_size_m, const CoverOptions& options) {
-  if (options.kind_smoothing_m == 0.0) return log_odds;
+  if (log_odds.empty() || options.kind_smoothing_m == 0.0) return log_odds;
   const cv::Mat1b is_told = log_odds == log_odds;
   cv::Mat1f sum = cv::Mat1f::zeros(log_odds.size()), weight;
   log_odds.copyTo(sum, is_told);

@@ -226,7 +226,9 @@ TEST_CASE("hazard: a distorted camera's mask is met where the camera sees the ce
   view.picture.grass(y, x) = kSurelyGrass;
   const ElevationMap map = FlatMap(80);
   const cv::Point cell = *map.grid.CellAt(place.head<2>());
-  const HazardLayers layers = AssessHazards(map, {view}, {}, {});
+  HazardOptions options;
+  options.cover.kind_smoothing_m = 0.0;
+  const HazardLayers layers = AssessHazards(map, {view}, {}, options);
   CHECK(layers.grass(cell) > 0.8);
   CHECK(cv::countNonZero(layers.grass > 0.5) < 4);
 }
@@ -248,6 +250,7 @@ TEST_CASE(
   const ElevationMap map = FlatMap(80);
   HazardOptions paper;
   paper.cover.grass_fusion = GrassFusion::kPaperOr;
+  paper.cover.kind_smoothing_m = 0.0;
   const double num_cells = 80.0 * 80.0;
   const auto grass_share = [&](const std::vector<KindView>& views, const HazardOptions& options) {
     return cv::countNonZero(AssessHazards(map, views, {}, options).grass >= 0.8) / num_cells;
@@ -257,11 +260,29 @@ TEST_CASE(
   CHECK(grass_share(on_grass, {}) > 0.999);
 }
 
-TEST_CASE("hazard: one view alone is never enough for grass, two that agree are") {
+TEST_CASE("hazard: one view alone leaves a tenth of doubt, two that agree a hundredth") {
   const ElevationMap map = FlatMap(20);
   const std::vector<KindView> one{NadirView(kSurelyGrass)};
-  CHECK(AssessHazards(map, one, {}, {}).hazard(10, 10) == kHazard);
-  CHECK(AssessHazards(map, TwoNadirViews(kSurelyGrass), {}, {}).hazard(10, 10) == kFree);
+  CHECK(AssessHazards(map, one, {}, {}).grass(10, 10) == doctest::Approx(0.9).epsilon(0.01));
+  const HazardLayers two = AssessHazards(map, TwoNadirViews(kSurelyGrass), {}, {});
+  CHECK(two.grass(10, 10) == doctest::Approx(0.99).epsilon(0.01));
+  CHECK(two.hazard(10, 10) == kFree);
+}
+
+TEST_CASE("hazard: a slip of the network within a meadow heals, a road through it stays") {
+  KindView view = NadirView(kSurelyGrass);
+  view.picture.grass(60, 30) = 120;
+  view.picture.grass.col(50).setTo(kSurelyNot);
+  view.picture.grass.col(51).setTo(kSurelyNot);
+  const ElevationMap map = FlatMap(80);
+  const HazardLayers layers = AssessHazards(map, {2, view}, {}, {});
+  const auto grass_at = [&](double east, double north) {
+    return layers.grass(*map.grid.CellAt({east, north}));
+  };
+  CHECK(grass_at(-19.5, -10.5) >= 0.8);
+  CHECK(grass_at(0.5, 0.5) < 0.2);
+  CHECK(grass_at(1.5, 20.5) < 0.2);
+  CHECK(grass_at(20.5, 0.5) > 0.95);
 }
 
 TEST_CASE("hazard: many agreeing views never make certainty, and a tie is not grass") {
