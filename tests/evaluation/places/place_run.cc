@@ -11,6 +11,7 @@
 #include "tests/evaluation/places/place_cameras.h"
 #include "tests/evaluation/places/place_report.h"
 #include "tests/evaluation/runs/runs.h"
+#include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
 namespace {
@@ -97,12 +98,14 @@ PhotographAnswers Answer(const PlacePhotograph& photograph,
 Json RunPlaces(const PlaceRunOptions& options) {
   // The jobs are the threads.
   cv::setNumThreads(1);
-  const KindModel model = std::get<KindModel>(ReadGroundModel(options.model).model);
   const std::vector<PlaceCamera> cameras = ReadPlaceCameras(options.cameras);
   const SecondOpinions opinions = SecondOpinionsIn(options.labels);
   const std::vector<Work> work = WorkOf(options);
   std::vector<PhotographAnswers> answers(work.size());
   DoAll(work.size(), options.num_jobs, [&](size_t i) {
+    const std::string file =
+        options.model.empty() ? FoldModelOf(work[i].place).value() : options.model;
+    const KindModel model = std::get<KindModel>(ReadGroundModel(file).model);
     answers[i] = Answer(Read(options, work[i], cameras), model, opinions);
     if (options.swaps_kinds) SwapKinds(answers[i]);
   });

@@ -16,7 +16,7 @@ struct PlaceRunOptions {
   std::string labels;
   // File, see place_cameras.h.
   std::string cameras;
-  // File of the ground_model.
+  // File of the network; "": each place has that of its fold.
   std::string model;
   // Places to judge. Empty: all that have labels.
   std::vector<std::string> places;

@@ -27,11 +27,13 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   run.photographs = data == nullptr ? "" : std::string(data) + "/places";
   run.labels = folder + "labels";
   run.cameras = folder + "cameras.csv";
-  run.model = FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx";
   app.add_option("--photographs", run.photographs, "folder with a folder per place");
   app.add_option("--labels", run.labels, "folder with PLACE.txt for every place");
   app.add_option("--cameras", run.cameras, "ground scale of the photographs");
-  app.add_option("--model", run.model, "network of ground kinds, .onnx")->check(CLI::ExistingFile);
+  app.add_option("--model",
+                 run.model,
+                 "network of ground kinds, .onnx, instead of the one of the place's fold")
+      ->check(CLI::ExistingFile);
   app.add_option("--place", run.places, "judges only these places");
   app.add_option("--jobs", run.num_jobs, "photographs at once");
   app.add_option("--json", arguments.json, "the whole report");
