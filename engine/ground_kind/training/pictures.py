@@ -123,14 +123,21 @@ def add_components(picture, mask, names, readings, reader):
                 picture.add_mask(inside, f'{index}.{component}', read_kinds, read_by)
 
 
+def own_polygons():
+    """polygons.csv: pack, picture, polygon, kind, reader, x y x y ... in pixels of the stored picture."""
+    with open(os.path.join(HERE, 'polygons.csv')) as lines:
+        return list(csv.DictReader(lines))
+
+
 def ground_kind_packs(data, with_unlabelled=True):
     readings = split_readings()
+    own = {(row['pack'], row['picture']) for row in own_polygons()}
     for pack in DRONE_PACKS + SATELLITE_PACKS:
         folder = f'{data}/ground_kinds/{pack}'
         with open(f'{folder}/images.csv') as lines:
             for row in csv.DictReader(lines):
                 path = f"{folder}/masks/{row['name']}.png"
-                if not with_unlabelled and not os.path.exists(path):
+                if not with_unlabelled and not os.path.exists(path) and (pack, row['name']) not in own:
                     continue
                 image = read_picture(f"{folder}/images/{row['name']}.jpg")
                 picture = Picture(pack, pack_place(pack, row), row['name'], image, pack_sampling(pack, row))
@@ -234,12 +241,10 @@ def rendered(folder):
 
 
 def add_own_polygons(pictures):
-    """polygons.csv: pack, picture, polygon, kind, reader, x y x y ... in pixels of the stored picture."""
     by_name = {(p.pack, p.name): p for p in pictures}
-    with open(os.path.join(HERE, 'polygons.csv')) as lines:
-        for row in csv.DictReader(lines):
-            picture = by_name[(row['pack'], row['picture'])]
-            picture.add_rings([numbers(row['ring'])], row['polygon'], row['kind'], row['reader'])
+    for row in own_polygons():
+        picture = by_name[(row['pack'], row['picture'])]
+        picture.add_rings([numbers(row['ring'])], row['polygon'], row['kind'], row['reader'])
 
 
 def load(data, rendered_folder=None):
