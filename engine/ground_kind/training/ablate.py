@@ -61,37 +61,6 @@ def curve(options):
               f'calibration error {scores.calibration_error(p, y):.3f}, {judged.sum()} polygons', flush=True)
 
 
-def labelled_windows(everything, model, count, seed):
-    """Windows around labelled polygons, by place and kind, with log targets: even over the kinds that the label allows,
-    -inf elsewhere; NaN where nothing is labelled."""
-    rng = np.random.default_rng(seed)
-    mine = [p for p in everything if places_for([p.place], model)[0]]
-    by_place = {}
-    for picture in mine:
-        by_place.setdefault(picture.place, []).append(picture)
-    shown = np.zeros((count, windows.WINDOW_PX, windows.WINDOW_PX, 3), np.uint8)
-    told = np.full((count, len(pictures.KINDS), windows.CELLS, windows.CELLS), np.nan, np.float16)
-    names = sorted(by_place)
-    for k in range(count):
-        of_place = by_place[names[rng.integers(len(names))]]
-        picture = of_place[rng.integers(len(of_place))]
-        index = int(rng.integers(len(picture.polygons)))
-        points = np.argwhere(picture.region == index + 1)
-        if len(points) == 0:
-            continue
-        row, column = points[rng.integers(len(points))]
-        half = windows.WINDOW_PX // 2
-        image = np.pad(picture.image, ((half, half), (half, half), (0, 0)), mode='symmetric')
-        region = np.pad(picture.region, half)
-        part = (slice(row, row + 2 * half), slice(column, column + 2 * half))
-        shown[k] = image[part]
-        cells = region[part][4::8, 4::8]
-        for number in np.unique(cells[cells > 0]):
-            allowed = np.array([kind in picture.polygons[number - 1].kinds for kind in pictures.KINDS])
-            told[k][:, cells == number] = np.where(allowed, -np.log(allowed.sum()), -20.0)[:, None]
-    return shown, told
-
-
 def without_part(part, shown, told, places, labelled_places):
     """Windows, answers and strength of the colour variation."""
     keep = np.ones(len(shown), bool)
@@ -111,7 +80,7 @@ def students(options):
         shown, told, places = windows.load_chunks(f'{options.work}/windows', options.windows, range(options.chunks), model)
         for part in PARTS:
             if part == 'without teacher':
-                some = labelled_windows(everything, model, 6000, 9)
+                some = windows.labelled_windows(everything, model, 6000, 9)
                 strength = 1.8
             else:
                 *some, strength = without_part(part, shown, told, places, labelled_places)

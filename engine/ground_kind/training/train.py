@@ -31,6 +31,7 @@ from split import FOLD_MODELS, MODELS  # noqa: E402
 from teacher import Trunk  # noqa: E402
 
 RENDERED_SHARE = 0.5    # of rendered windows with true kinds, beside all others
+LABELLED_SHARE = 0.8    # of windows around labels, beside those of the teacher
 
 
 def read_arguments():
@@ -76,6 +77,8 @@ def train_student(options, folder, model):
         net.load_state_dict(torch.load(path))
         return net.eval()
     shown, told, _ = windows.load_chunks(folder, options.windows, range(options.chunks), model)
+    more = windows.labelled_windows(pictures.load_labelled(options.data), model, round(len(shown) * LABELLED_SHARE), 5)
+    shown, told = np.concatenate([shown, more[0]]), np.concatenate([told, more[1]])
     if model == 'shipped' and options.rendered:     # worlds judge it: their truth has more say than the teacher
         count = round(len(shown) * RENDERED_SHARE)
         more = windows.rendered_windows(list(pictures.rendered(options.rendered)), count, options.seed)

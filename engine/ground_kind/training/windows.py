@@ -13,13 +13,15 @@ import torch
 
 from colours import vary
 from pictures import KINDS
-from split import MODELS, PLACES, teaches
+from split import KIND_SHARE, MODELS, PLACES, is_drone, teaches
 from teacher import around
 
 WINDOW_PX = 128
 CHUNK = 2000
 BATCH = 16
 CELLS = WINDOW_PX // 8
+POLYGONS_OF_A_FULL_KIND, SATELLITE_PLACE = 4, 0.15     # weight of a place among those that show a kind
+DOUBT = 0.05                # share of a label's answer that the other kinds keep
 MAX_BLACK = 0.25            # share of a window outside an orthophoto
 # Windows of a chunk by place: flights and big places by hand, the others by the root of their area.
 SHARE = {'swindale': 150, 'garfield_park': 130, 'brighton_beach': 90, 'snowpeak_ebee': 130, 'cmac_au': 90, 'stubble_bales': 40,
@@ -74,6 +76,56 @@ def rendered_windows(pictures, count, seed):
             answer[kind] = np.log(0.98)
             told[k][:, truth == kind] = answer
     return np.stack(windows), told
+
+
+def polygons_by_kind(pictures, model):
+    """kind -> place -> (picture, polygon number): polygons of a single kind that may teach the model."""
+    found = {}
+    for picture in pictures:
+        if teaches(picture.place, model):
+            for number, polygon in enumerate(picture.polygons, 1):
+                if len(polygon.kinds) == 1:
+                    of_kind = found.setdefault(next(iter(polygon.kinds)), {})
+                    of_kind.setdefault(picture.place, []).append((picture, number))
+    return found
+
+
+def draw_labelled_window(picture, number, rng):
+    """A window that shows a part of the polygon, and the polygon of each cell's centre (0: none)."""
+    points = np.argwhere(picture.region == number)
+    point = points[rng.integers(len(points))][::-1]
+    scale, angle = np.exp(rng.uniform(np.log(0.75), np.log(1.4))), rng.uniform(0, 2 * np.pi)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) * scale
+    shift = WINDOW_PX / 2 + rng.uniform(-30, 30, 2) - turn @ point
+    move, size = np.hstack([turn, shift[:, None]]), (WINDOW_PX, WINDOW_PX)
+    window = cv2.warpAffine(picture.image, move, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
+    region = cv2.warpAffine(picture.region, move, size, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REFLECT_101)
+    return window, region[4::8, 4::8]
+
+
+def labelled_windows(pictures, model, count, seed):
+    """Windows around labelled polygons by kind (KIND_SHARE), place, polygon. The answer: the label's kinds share 0.95;
+    NaN where nothing is labelled."""
+    rng, found = np.random.default_rng(seed), polygons_by_kind(pictures, model)
+    kinds = [kind for kind in KIND_SHARE if kind in found]
+    share = np.array([KIND_SHARE[kind] for kind in kinds])
+    shown = np.zeros((count, WINDOW_PX, WINDOW_PX, 3), np.uint8)
+    told = np.full((count, len(KINDS), CELLS, CELLS), np.nan, np.float16)
+    for k in range(count):
+        of_kind = found[kinds[rng.choice(len(kinds), p=share / share.sum())]]
+        places = sorted(of_kind)
+        weight = np.array([min(1, len(of_kind[p]) / POLYGONS_OF_A_FULL_KIND) * (1 if is_drone(p) else SATELLITE_PLACE)
+                           for p in places])
+        here = of_kind[places[rng.choice(len(places), p=weight / weight.sum())]]
+        picture, number = here[rng.integers(len(here))]
+        if not (picture.region == number).any():     # drawn over by a later polygon
+            continue
+        shown[k], cells = draw_labelled_window(picture, number, rng)
+        for other in np.unique(cells[cells > 0]):
+            allowed = np.array([kind in picture.polygons[other - 1].kinds for kind in KINDS])
+            answer = np.where(allowed, (1 - DOUBT) / allowed.sum(), DOUBT / (~allowed).sum())
+            told[k][:, cells == other] = np.log(answer)[:, None]
+    return shown, told
 
 
 def draw_windows(pictures, count, seed):
