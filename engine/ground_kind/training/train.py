@@ -31,7 +31,6 @@ from split import FOLD_MODELS, MODELS  # noqa: E402
 from teacher import Trunk  # noqa: E402
 
 RENDERED_SHARE = 0.5    # of rendered windows with true kinds, beside all others
-LABELLED_SHARE = 0.8    # of windows around labels, beside those of the teacher
 
 
 def read_arguments():
@@ -49,6 +48,7 @@ def read_arguments():
     parser.add_argument('--rate', type=float, default=3e-3)
     parser.add_argument('--decay', type=float, help='pull to zero of the teachers; else chosen by places left out')
     parser.add_argument('--strength', type=float, default=1.8, help='of the colour variation')
+    parser.add_argument('--labelled', type=float, default=0.0, help='windows around labels for each of the teacher')
     parser.add_argument('--windows', default='a', help='name of the windows in the work folder')
     return parser.parse_args()
 
@@ -77,8 +77,10 @@ def train_student(options, folder, model):
         net.load_state_dict(torch.load(path))
         return net.eval()
     shown, told, _ = windows.load_chunks(folder, options.windows, range(options.chunks), model)
-    more = windows.labelled_windows(pictures.load_labelled(options.data), model, round(len(shown) * LABELLED_SHARE), 5)
-    shown, told = np.concatenate([shown, more[0]]), np.concatenate([told, more[1]])
+    if options.labelled > 0:
+        count = round(len(shown) * options.labelled)
+        more = windows.labelled_windows(pictures.load_labelled(options.data), model, count, options.seed)
+        shown, told = np.concatenate([shown, more[0]]), np.concatenate([told, more[1]])
     if model == 'shipped' and options.rendered:     # worlds judge it: their truth has more say than the teacher
         count = round(len(shown) * RENDERED_SHARE)
         more = windows.rendered_windows(list(pictures.rendered(options.rendered)), count, options.seed)
