@@ -229,6 +229,7 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("min_row_spacing_m", o.min_row_spacing_m);
   visit("max_row_spacing_m", o.max_row_spacing_m);
   visit("min_detail_ratio", o.min_detail_ratio);
+  visit("max_still_water_posterior", o.max_still_water_posterior);
   visit("max_even_slope_deg", o.max_even_slope_deg);
   visit("max_even_roughness_m", o.max_even_roughness_m);
   visit("min_object_deviations", o.min_object_deviations);

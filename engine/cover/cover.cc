@@ -101,7 +101,8 @@ void AddGrassByRules(const CoverInput& input,
   cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
     for (int step = steps.start; step < steps.end; ++step) {
       if (step == 0) cells.objects = FindSmallObjects(photo, map.grid, options);
-      if (step == 1) look_alikes = FindLookAlikes(photo, map.grid, options);
+      if (step == 1)
+        look_alikes = FindLookAlikes(photo, map.grid, {cover.grass, cover.kind}, options);
     }
   });
   Denials denials(cover);

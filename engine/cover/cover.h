@@ -97,8 +97,11 @@ struct CoverOptions {
   double min_row_spacing_m = 0.55;
   double max_row_spacing_m = 0.9;
   // Least fine detail of grass, as a share of its brightness. Green ground with less detail is
-  // water with algae. 0: no search.
+  // water with algae, unless the views are as sure of grass as max_still_water_posterior, or take
+  // it for something else than water if not for grass: a soft photograph shows little detail of
+  // grass, too. min_detail_ratio = 0: no search.
   double min_detail_ratio = 0.015;
+  double max_still_water_posterior = 0.95;
   // Grass counts as even up to these limits, which do not depend on the aircraft. Fences are
   // searched for on even grass.
   double max_even_slope_deg = 10.0;

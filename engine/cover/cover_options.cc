@@ -38,6 +38,7 @@ void CoverOptions::Check() const {
   check.Inside("max_row_spacing_m", max_row_spacing_m, 0.1, 10.0);
   check.Inside("min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m);
   check.Inside("min_detail_ratio", min_detail_ratio, 0.0, 1.0);
+  check.Inside("max_still_water_posterior", max_still_water_posterior, 0.0, 1.0);
   check.Inside("max_even_slope_deg", max_even_slope_deg, 0.0, 90.0);
   check.Inside("max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0);
   check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);

@@ -246,6 +246,20 @@ std::vector<Rows> RowsOfSquares(const Orthophoto& photo,
   return found;
 }
 
+// 255 where the views leave room for water.
+cv::Mat1b MayBeWater(const ToldKinds& told, const CoverOptions& options) {
+  cv::Mat1b may_be = ~cv::Mat1b(told.grass >= options.max_still_water_posterior);
+  std::transform(told.other.begin(),
+                 told.other.end(),
+                 may_be.begin(),
+                 may_be.begin(),
+                 [](uint8_t other, uint8_t unsure) {
+                   const bool is_water = LikelyKind::Unpack(other).kind == GroundKind::kWater;
+                   return is_water ? unsure : uint8_t{0};
+                 });
+  return may_be;
+}
+
 }  // namespace
 
 cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options) {
@@ -293,15 +307,19 @@ cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options) {
   return mask;
 }
 
-cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const CoverOptions& options) {
+cv::Mat1b FindLookAlikes(const Orthophoto& photo,
+                         const Grid& grid,
+                         const ToldKinds& told,
+                         const CoverOptions& options) {
   if (photo.image.empty()) return {};
-  const auto find = [&](const PhotoBand& band) {
-    cv::Mat1b in_band = cv::Mat1b::zeros(band.photo.image.size());
-    if (options.min_row_strength > 0.0) in_band |= RowCrops(band.photo, options);
-    if (options.min_detail_ratio > 0.0) in_band |= StillWater(band.photo, options);
-    return in_band;
+  const auto find = [&](cv::Mat1b (*cue)(const Orthophoto&, const CoverOptions&)) {
+    const auto in_band = [&](const PhotoBand& band) { return cue(band.photo, options); };
+    return OnMap(FindInBands(photo, kHaloM, in_band), grid);
   };
-  return OnMap(FindInBands(photo, kHaloM, find), grid);
+  cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
+  if (options.min_row_strength > 0.0) found |= find(RowCrops);
+  if (options.min_detail_ratio > 0.0) found |= find(StillWater) & MayBeWater(told, options);
+  return found;
 }
 
 }  // namespace freelsd

@@ -18,6 +18,8 @@ using photo::Painted;
 
 constexpr double kSideM = 120.0;
 constexpr uint8_t kSurelyGrass = 255;
+// Of two views: 0.9.
+constexpr uint8_t kLikelyGrass = 191;
 constexpr double kFieldHalfM = 30.0;
 // Waves of an even water surface, grey levels.
 constexpr double kWaterNoise = 0.8;
@@ -43,6 +45,11 @@ Paint Lines(double turn_deg, double spacing_m, double width_m, double grey) {
     const double across = AlongAndAcross(place, turn_deg).y();
     return OffMultiple(across, spacing_m) <= 0.5 * width_m ? Brighter(grey) : photo::kGreen;
   };
+}
+
+ToldKinds Told(const Grid& grid, float grass, GroundKind other) {
+  const cv::Size size(grid.num_cols, grid.num_rows);
+  return {cv::Mat1f(size, grass), cv::Mat1b(size, LikelyKind{other, 1.0f - grass}.Packed())};
 }
 
 int NumWithRows(const Paint& paint) {
@@ -167,10 +174,12 @@ TEST_CASE("look-alikes: water is water up to what was not seen of it") {
 }
 
 TEST_CASE("look-alikes: without a picture nothing is found, and unseen ground is nothing") {
-  CHECK(FindLookAlikes({}, {{0, 0}, 1.0, 20, 20}, {}).empty());
+  CHECK(FindLookAlikes({}, {{0, 0}, 1.0, 20, 20}, {}, {}).empty());
   Orthophoto unseen = Painted(40.0, Rows(0.0, 0.75, 10.0));
   photo::MakeUnseen(unseen, cv::Rect({0, 0}, unseen.image.size()));
-  CHECK(cv::countNonZero(FindLookAlikes(unseen, MapGridOf(unseen), {})) == 0);
+  CHECK(cv::countNonZero(FindLookAlikes(
+            unseen, MapGridOf(unseen), Told(MapGridOf(unseen), 0.5f, GroundKind::kWater), {})) ==
+        0);
   // Smaller than a square of the spectrum.
   CHECK(cv::countNonZero(RowCrops(Painted(8.0, Rows(0.0, 0.75, 10.0)), {})) == 0);
 }
@@ -196,7 +205,8 @@ const Eigen::Vector2d kInMeadow(-45.0, -45.0);
 bool IsFoundAt(const Eigen::Vector2d& place, const CoverOptions& options) {
   static const Orthophoto kPhoto = Countryside();
   const Grid grid = MapGridOf(kPhoto);
-  return FindLookAlikes(kPhoto, grid, options)(*grid.CellAt(place)) != 0;
+  return FindLookAlikes(
+             kPhoto, grid, Told(grid, 0.9f, GroundKind::kWater), options)(*grid.CellAt(place)) != 0;
 }
 
 TEST_CASE("look-alikes: each rule finds its own, and 0 switches it off") {
@@ -211,6 +221,19 @@ TEST_CASE("look-alikes: each rule finds its own, and 0 switches it off") {
   CHECK(IsFoundAt(kInPond, no_rows));
   CHECK_FALSE(IsFoundAt(kInPond, no_water));
   CHECK(IsFoundAt(kInRows, no_water));
+}
+
+TEST_CASE(
+    "look-alikes: ground with little detail stays grass where the views leave no room for water") {
+  const Orthophoto photo = Countryside();
+  const Grid grid = MapGridOf(photo);
+  const cv::Point pond = *grid.CellAt(kInPond), rows = *grid.CellAt(kInRows);
+  const cv::Mat1b of_sure = FindLookAlikes(photo, grid, Told(grid, 0.97f, GroundKind::kWater), {});
+  const cv::Mat1b of_other = FindLookAlikes(photo, grid, Told(grid, 0.9f, GroundKind::kRough), {});
+  CHECK(of_sure(pond) == 0);
+  CHECK(of_other(pond) == 0);
+  CHECK(of_sure(rows) == 255);
+  CHECK(of_other(rows) == 255);
 }
 
 // Flat, and grass for every view from 200 m up.
@@ -228,8 +251,11 @@ ElevationMap FlatMapOn(const Grid& grid) {
 TEST_CASE("look-alikes: with a photograph such cells are hazard and no grass, under any limits") {
   const Orthophoto photo = Countryside();
   const ElevationMap map = FlatMapOn(MapGridOf(photo));
-  const HazardLayers without = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {});
-  const HazardLayers with = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {}, photo);
+  KindView view = photo::NadirView(kLikelyGrass);
+  view.picture.other =
+      cv::Mat1b(view.picture.grass.size(), LikelyKind{GroundKind::kWater, 0.2f}.Packed());
+  const HazardLayers without = AssessHazards(map, {2, view}, {}, {});
+  const HazardLayers with = AssessHazards(map, {2, view}, {}, {}, photo);
   const HazardLayers renewed = WithLimits(map, with, {.max_slope_deg = 20.0}, {});
   for (const Eigen::Vector2d& place : {kInRows, kInPond}) {
     const cv::Point cell = *map.grid.CellAt(place);

@@ -335,8 +335,13 @@ TEST_CASE("maps as bytes: the same on both servers, and cut or changed bytes are
     const size_t tiles = bytes.find('\n', bytes.find('\n') + 1) + 1;
     std::string changed = bytes;
     changed[tiles + (bytes.size() - tiles) * i / 40] ^= 0x20;
+    CAPTURE(i);
+    CAPTURE(tiles + (bytes.size() - tiles) * i / 40);
+    CAPTURE(bytes.size());
+    CAPTURE(int(uint8_t(changed[tiles + (bytes.size() - tiles) * i / 40])));
     CHECK_THROWS_AS(ParseMapBytes(changed, "a/1"), ApiError);
   }
+  std::ofstream("/tmp/k/mapbytes.bin", std::ios::binary) << bytes;
 }
 
 }  // namespace
