@@ -140,6 +140,7 @@ def main():
     parser.add_argument('--calibrate', help='JSON file whose calibration is written')
     options = parser.parse_args()
     torch.set_num_threads(1)
+    pictures.GROUND_SAMPLING_M = pictures.CALLED_AT_M
     loaded = []
 
     def everything():

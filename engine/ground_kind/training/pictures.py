@@ -14,7 +14,8 @@ import numpy as np
 from PIL import Image
 
 KINDS = ['grass', 'rough', 'crop', 'stubble', 'soil', 'sand', 'tree', 'water', 'sealed', 'snow']
-GROUND_SAMPLING_M = 0.2
+GROUND_SAMPLING_M = 0.2          # of the windows that teach
+CALLED_AT_M = 0.15               # where the networks are judged, calibrated and called
 MIN_POLYGON_PX = 16        # 0.64 m2; smaller ones tell the network nothing
 MIN_RENDERED_PX = 250
 MAX_COMPONENTS = 14        # of one kind in one picture, the largest

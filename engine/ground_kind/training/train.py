@@ -95,7 +95,7 @@ def train_student(options, folder, model):
 def describe(options, folder):
     """What the product must know beside the network; evaluate.py --calibrate adds the calibration."""
     shown, _, _ = windows.load_chunks(folder, options.windows, range(options.chunks), 'shipped')
-    content = {'kinds': pictures.KINDS, 'metres_per_pixel': pictures.GROUND_SAMPLING_M, 'stride_px': 4,
+    content = {'kinds': pictures.KINDS, 'metres_per_pixel': pictures.CALLED_AT_M, 'stride_px': 4,
                'input': {'order': 'BGR', 'offset': student.OFFSET, 'scale': student.SCALE, 'multiple_of_px': 16,
                          'border_px': judge.BORDER_PX, 'dark_luma': judge.DARK_LUMA,
                          'brightened_luma': judge.BRIGHTENED_LUMA, 'largest_gain': judge.LARGEST_GAIN},
