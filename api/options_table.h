@@ -222,6 +222,8 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("max_num_independent_views", o.max_num_independent_views);
   visit("kind_smoothing_m", o.kind_smoothing_m);
   visit("min_smoothed_probability", o.min_smoothed_probability);
+  visit("min_line_drop", o.min_line_drop);
+  visit("min_line_length_m", o.min_line_length_m);
   visit("min_vote_ratio", o.min_vote_ratio);
   visit("upper_margin_m", o.upper_margin_m);
   visit("max_telling_sampling_m", o.max_telling_sampling_m);

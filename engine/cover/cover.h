@@ -79,6 +79,10 @@ struct CoverOptions {
   // views call grass with less than min_smoothed_probability stays as it is: a road, a ditch.
   double kind_smoothing_m = 2.0;
   double min_smoothed_probability = 0.2;
+  // A footpath or ditch shows in the map as a line at least min_line_length_m long whose mean
+  // log-odds are less than those around it by min_line_drop.
+  double min_line_drop = 0.4;
+  double min_line_length_m = 8.0;
   // A cell gets a class only if at least this share of the views that see it classify it. Canopy
   // and rubble get no class, because nearly every view leaves them unclassified.
   double min_vote_ratio = 0.2;

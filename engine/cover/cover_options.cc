@@ -31,6 +31,8 @@ void CoverOptions::Check() const {
   check.Inside("max_num_independent_views", max_num_independent_views, 1.0, 1000.0);
   check.Inside("kind_smoothing_m", kind_smoothing_m, 0.0, 100.0);
   check.Inside("min_smoothed_probability", min_smoothed_probability, 0.0, 1.0);
+  check.Inside("min_line_drop", min_line_drop, 0.0, 100.0);
+  check.Inside("min_line_length_m", min_line_length_m, 0.0, 1000.0);
   check.Inside("min_vote_ratio", min_vote_ratio, 0.0, 1.0);
   check.Inside("upper_margin_m", upper_margin_m, 0.0, 10.0);
   check.Inside("max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0);

@@ -153,6 +153,35 @@ float MeanLogOdds(const Votes& votes, const CoverOptions& options) {
   return votes.log_odds / static_cast<float>(votes.num_votes);
 }
 
+// A path or a ditch is a long line of cells that look less like grass than what surrounds them.
+// The errors of the views mix its sides into it: it gets the drop again, twice.
+void SharpenLines(const cv::Mat1f& surroundings,
+                  const cv::Mat1f& log_odds,
+                  const cv::Mat1b& is_told,
+                  double cell_size_m,
+                  const CoverOptions& options,
+                  cv::Mat1f& smoothed) {
+  constexpr int kDropsMixedIn = 2;
+  cv::Mat1f drop = surroundings - log_odds;
+  drop.setTo(0.0f, ~is_told);
+  cv::Mat1i lines, boxes;
+  cv::Mat1d centers;
+  const int num_lines = cv::connectedComponentsWithStats(
+      drop > options.min_line_drop, lines, boxes, centers, 8, CV_32S);
+  const double least_cells = options.min_line_length_m / cell_size_m;
+  std::vector<bool> is_line(static_cast<size_t>(num_lines));
+  for (int line = 1; line < num_lines; ++line) {
+    is_line[static_cast<size_t>(line)] =
+        std::max(boxes(line, cv::CC_STAT_WIDTH), boxes(line, cv::CC_STAT_HEIGHT)) >= least_cells;
+  }
+  for (int row = 0; row < lines.rows; ++row) {
+    for (int col = 0; col < lines.cols; ++col) {
+      if (!is_line[static_cast<size_t>(lines(row, col))]) continue;
+      smoothed(row, col) = log_odds(row, col) - kDropsMixedIn * drop(row, col);
+    }
+  }
+}
+
 // What grows is the same over more than a cell, and the network's noise is not.
 cv::Mat1f Smoothed(const cv::Mat1f& log_odds, double cell_size_m, const CoverOptions& options) {
   if (log_odds.empty() || options.kind_smoothing_m == 0.0) return log_odds;
@@ -168,6 +197,7 @@ cv::Mat1f Smoothed(const cv::Mat1f& log_odds, double cell_size_m, const CoverOpt
   cv::Mat1f smoothed = log_odds.clone();
   cv::divide(sum, weight, sum);
   sum.copyTo(smoothed, is_smoothed);
+  SharpenLines(sum, log_odds, is_told, cell_size_m, options, smoothed);
   return smoothed;
 }
 

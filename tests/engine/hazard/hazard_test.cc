@@ -233,6 +233,19 @@ TEST_CASE("hazard: a distorted camera's mask is met where the camera sees the ce
   CHECK(cv::countNonZero(layers.grass > 0.5) < 4);
 }
 
+TEST_CASE("hazard: a footpath that the views half see is no grass, a pale patch is") {
+  constexpr uint8_t kRatherGrass = 1 + 254 * 3 / 4;
+  const auto least_grass = [](const cv::Rect& pale_px) {
+    std::vector<KindView> views = TwoNadirViews(kSurelyGrass);
+    for (KindView& view : views) view.picture.grass(pale_px).setTo(kRatherGrass);
+    double least = 1.0;
+    cv::minMaxLoc(AssessHazards(FlatMap(60), views, {}, {}).grass, &least);
+    return least;
+  };
+  CHECK(least_grass({10, 49, 80, 2}) < 0.8);
+  CHECK(least_grass({48, 49, 4, 2}) > 0.9);
+}
+
 TEST_CASE(
     "hazard: with 5 % false positives of 20 views, OR calls most cells grass, the posterior none") {
   std::mt19937 random(11);
