@@ -35,7 +35,7 @@ test('proof: weights, log-odds and cues as texts', () => {
   assert.deepEqual([0, 0.004, 0.096, 1].map(percent), ['0\u00a0%', '< 1\u00a0%', '10\u00a0%', '100\u00a0%']);
   assert.deepEqual([2.25, -1.5, 7.875, -7.875].map(logOddsText), ['+2.3', '−1.5', '≥ +7.9', '≤ −7.9']);
   const { telling, silent, unknown } = cuesByWeight(sampleProof('f').evidence.cues);
-  assert.deepEqual([telling.map(({ cue }) => cue), silent, unknown], [['fence', 'views', 'look_alike'], ['small object'], ['colour unlike its meadow']]);
+  assert.deepEqual([telling.map(({ cue }) => cue), silent, unknown], [['fence', 'views', 'look_alike'], ['small object'], ['a new cue']]);
   assert.equal(cueName('a_new_cue'), 'a new cue');
 });
 
@@ -81,7 +81,7 @@ for (const [name, options] of [['desk', desk], ['desk-dark', { ...desk, colorSch
     assert.match(await page.locator('.likelihood').getAttribute('aria-label'), /5 photographs agree best at 460\.20 m/);
     assert.deepEqual(await page.locator('.cues tr').allInnerTexts().then((rows) => rows.map((row) => row.replace(/\s+/g, ' ').trim())),
       ['fence ✕ denies grass', 'grass in the photographs ≥ +7.9', 'crop that looks like grass −1.5']);
-    assert.match(await page.locator('.answer').innerText(), /No objection: small object\.\s+Unknown: colour unlike its meadow\./);
+    assert.match(await page.locator('.answer').innerText(), /No objection: small object\.\s+Unknown: a new cue\./);
     assert.match(await page.locator('.versions').innerText(), /Program\s+0\.1\.0\s+Grass model \(SHA-256\)\s+b4cc5bf82e25cbcd95f43996a5f1837d/);
     assert.ok(!(await page.locator('.versions').innerText()).includes('Digest'), 'only a site has a digest');
     assert.ok(await page.locator('.answer pre').isHidden(), 'options are folded away');
