@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "api/import/images/image_segments.h"
@@ -28,6 +29,22 @@ constexpr std::array<KnownExtension, 20> kKnownExtensions{{
 }};
 
 }  // namespace
+
+bool IsLeftover(std::string_view path) {
+  constexpr std::array<std::string_view, 3> kFiles{".DS_Store", "Thumbs.db", "desktop.ini"};
+  constexpr std::array<std::string_view, 6> kFolders{
+      "__MACOSX", "@eaDir", ".thumbnails", ".Trashes", "THM", ".Spotlight-V100"};
+  while (true) {
+    const size_t end = path.find_first_of("/\\");
+    const std::string_view part = path.substr(0, end);
+    if (end == std::string_view::npos) {
+      return part.starts_with("._") ||
+             std::find(kFiles.begin(), kFiles.end(), part) != kFiles.end();
+    }
+    if (std::find(kFolders.begin(), kFolders.end(), part) != kFolders.end()) return true;
+    path.remove_prefix(end + 1);
+  }
+}
 
 bool IsSideFile(std::string_view path) { return KindByName(path) == FileKind::kSideFile; }
 
