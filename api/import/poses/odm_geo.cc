@@ -15,6 +15,7 @@ constexpr size_t kFirstAngle = 4;
 constexpr size_t kFirstAccuracy = 7;
 // Aircraft tilt less than this. If angles are larger, they are not yaw, pitch, roll.
 constexpr double kMaxTiltDeg = 45.0;
+constexpr double kMaxUsualTiltDeg = 15.0;
 // Standard deviation. The format defines its angles poorly; a nadir camera is assumed.
 constexpr double kAttitudeSdDeg = 5.0;
 
@@ -121,12 +122,25 @@ GeoLine ReadLine(const TextLine& line, const Projection& projection, const SideF
   return read;
 }
 
-// Older files have omega, phi, kappa in the same columns. Kappa must not be read as roll.
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Some programs write omega, phi, kappa into the same columns. The two angles that are small in a
+// flight of a camera that looks down tell which they are. Kappa must not be read as roll.
 bool AreYawPitchRoll(const std::vector<GeoLine>& lines) {
-  return std::all_of(lines.begin(), lines.end(), [](const GeoLine& line) {
-    return line.angles_deg.empty() || (std::abs(line.angles_deg[1]) <= kMaxTiltDeg &&
-                                       std::abs(line.angles_deg[2]) <= kMaxTiltDeg);
-  });
+  std::vector<double> first_deg, last_deg;
+  for (const GeoLine& line : lines) {
+    if (line.angles_deg.empty()) continue;
+    if (std::abs(line.angles_deg[1]) > kMaxTiltDeg || std::abs(line.angles_deg[2]) > kMaxTiltDeg) {
+      return false;
+    }
+    first_deg.push_back(std::abs(line.angles_deg[0]));
+    last_deg.push_back(std::abs(line.angles_deg[2]));
+  }
+  return MedianOf(last_deg) <= kMaxUsualTiltDeg && MedianOf(first_deg) > MedianOf(last_deg);
 }
 
 // At pitch 0 the camera looks straight down; yaw is the heading of the image's top.

@@ -1,5 +1,6 @@
 #include "api/import/poses/pose_line.h"
 
+#include <cctype>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -72,6 +73,41 @@ std::optional<nlohmann::json> WindOf(const PoseLine& line) {
   return nlohmann::json{{"east_mps", towards.x()}, {"north_mps", towards.y()}};
 }
 
+// -1 or 1 by a column beside the number: the hemisphere's letter, or "below" and exiftool's 1 or 3.
+double SignOf(const PoseLine& line, PoseField field, char positive, char negative) {
+  const std::optional<std::string> text = line.Text(field);
+  if (!text && !line.header().columns.contains(field)) return 1.0;
+  const std::string trimmed(Trimmed(text.value_or("")));
+  const char letter =
+      static_cast<char>(std::toupper(static_cast<unsigned char>((trimmed + " ")[0])));
+  if (letter == positive) return 1.0;
+  if (letter == negative) return -1.0;
+  const bool is_altitude = field == PoseField::kAltitudeRef;
+  if (is_altitude && (letter == '0' || letter == '2' || letter == ' ')) return 1.0;
+  if (is_altitude && (letter == '1' || letter == '3')) return -1.0;
+  throw InvalidPose(line.Pointer(field),
+                    std::string("must begin with ") + positive + " or " + negative);
+}
+
+// Columns beside latitude, longitude and altitude hold their signs. A number that has its sign
+// already keeps it.
+void ApplySigns(const PoseLine& line, nlohmann::json& position) {
+  const auto apply = [&](const char* key, PoseField field, char positive, char negative) {
+    const double sign = SignOf(line, field, positive, negative);
+    if (!position.contains(key)) return;
+    const double number = position[key].get<double>();
+    const bool is_letter = line.Text(field) && field != PoseField::kAltitudeRef;
+    if (number < 0.0 && sign > 0.0 && is_letter) {
+      throw InvalidPose(line.Pointer(field),
+                        std::string("is ") + positive + " of a negative number");
+    }
+    if (sign < 0.0) position[key] = -std::abs(number);
+  };
+  apply("latitude_deg", PoseField::kLatitudeRef, 'N', 'S');
+  apply("longitude_deg", PoseField::kLongitudeRef, 'E', 'W');
+  apply("altitude_m", PoseField::kAltitudeRef, 'A', 'B');
+}
+
 // Builds the same meta that a client would send, so that only one place checks ranges.
 nlohmann::json MetaOf(const PoseLine& line) {
   nlohmann::json meta = nlohmann::json::object();
@@ -80,6 +116,7 @@ nlohmann::json MetaOf(const PoseLine& line) {
     const std::optional<double> number = pointer.empty() ? std::nullopt : line.Number(field);
     if (number) meta[nlohmann::json::json_pointer(pointer)] = *number;
   }
+  ApplySigns(line, meta["position"]);
   if (const std::optional<int64_t> time = TimeOf(line); time && !meta.contains("timestamp_us")) {
     meta["timestamp_us"] = *time;
   }
