@@ -55,6 +55,23 @@ TEST_CASE("geo.txt: angles of zero are none, omega phi kappa are not taken for y
   CHECK(Warns(file, "CameraAnglesIgnored"));
 }
 
+TEST_CASE("geo.txt: kappa of a flight in one direction is not read as roll") {
+  const auto attitude = [](const std::string& angles) {
+    const PoseFile file = ReadGeo("EPSG:4326\na.jpg 8 47 500 " + angles + "\nb.jpg 8 47 500 " +
+                                  angles + "\nc.jpg 8 47 500 " + angles + "\n");
+    CHECK(Warns(file, "angles"));
+    return file.poses[0].second.ned_from_camera.has_value();
+  };
+  for (const char* const opk : {"0.5 -1.2 38", "2 3 -44", "-0.3 0.1 16", "1 1 10", "0 0 38"}) {
+    CAPTURE(std::string(opk));
+    CHECK_FALSE(attitude(opk));
+  }
+  for (const char* const ypr : {"38 -1.2 0.5", "-170 3 2", "90 10 -12"}) {
+    CAPTURE(std::string(ypr));
+    CHECK(attitude(ypr));
+  }
+}
+
 TEST_CASE("gcp_list.txt: ground control points are no poses, and are told of by name") {
   const SideFile geo{"geo.txt", "EPSG:4326\na.jpg 8 47 500\n"};
   const std::string utm = "WGS84 UTM 32N\n500000 4982950.4 100.5 1044.5 517.25 a.jpg gcp1\n";
