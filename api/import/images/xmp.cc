@@ -17,15 +17,14 @@ namespace {
 constexpr int kParserOptions = XML_PARSE_RECOVER | XML_PARSE_NONET | XML_PARSE_NOERROR |
                                XML_PARSE_NOWARNING | XML_PARSE_NOCDATA | XML_PARSE_IGNORE_ENC;
 
-// Programs choose the prefix freely; the namespace counts.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kPrefixes{{
-    {"dji.com/drone", "drone-dji"},
-    {"parrot.com/drone", "drone-parrot"},
-    {"pix4d.com/camera", "camera"},
-    {"sensefly.com", "sensefly"},
-    {"ns.adobe.com/exif/", "exif"},
-    {"ns.adobe.com/photoshop/", "photoshop"},
-    {"ns.adobe.com/xap/1.0/", "xmp"},
+// Programs choose the prefix freely; the end of the namespace counts.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kPrefixes{{
+    {"dji.com/drone-dji/1.0", "drone-dji"},
+    {"parrot.com/drone-parrot/1.0", "drone-parrot"},
+    {"pix4d.com/camera/1.0", "camera"},
+    {"ns.adobe.com/exif/1.0", "exif"},
+    {"ns.adobe.com/photoshop/1.0", "photoshop"},
+    {"ns.adobe.com/xap/1.0", "xmp"},
 }};
 
 std::string Lower(std::string_view text) {
@@ -60,10 +59,11 @@ std::string KeyOf(const xmlNs* space, const xmlChar* name) {
     std::replace(key.begin(), key.end(), ':', '.');
     return key;
   }
-  const std::string uri = Lower(View(space->href));
+  std::string uri = Lower(View(space->href));
+  if (uri.ends_with('/')) uri.pop_back();
   std::string_view prefix = View(space->prefix);
-  for (const auto& [part, known] : kPrefixes) {
-    if (uri.find(part) != std::string::npos && !Lower(prefix).starts_with(known)) prefix = known;
+  for (const auto& [end, known] : kPrefixes) {
+    if (uri.ends_with(end)) prefix = known;
   }
   return Lower(std::string(prefix) + "." + std::string(View(name)));
 }
@@ -109,7 +109,7 @@ class Reader {
     const auto [at, is_new] = read_.values.emplace(key, text);
     if (is_new || Trimmed(at->second) == Trimmed(text)) return;
     const bool is_known = std::any_of(kPrefixes.begin(), kPrefixes.end(), [&key](const auto& each) {
-      return key.starts_with(each.second);
+      return key.starts_with(std::string(each.second) + ".");
     });
     if (is_known) {
       read_.warnings.push_back("the XMP has two values of " + key + ": the first one is used");
