@@ -4,8 +4,11 @@
 #include <optional>
 #include <string>
 
-#include <jerror.h>
+// jerror.h has codes that depend on jpeglib.h.
+// clang-format off
 #include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
 #include <opencv2/imgproc.hpp>
 #include <png.h>
 
@@ -87,8 +90,8 @@ class JpegReader {
                     " rows are missing or damaged: the file is cut");
     }
     if (!IsHarmless(errors_.msg_code)) throw Damaged(Message());
-    if (warnings_.empty())
-      warnings_.push_back(Message() + ": the photograph is whole all the same");
+    if (!warnings_.empty()) return;
+    warnings_.push_back(Message() + ": the photograph is whole all the same");
   }
 
   void LimitScans() {
