@@ -55,7 +55,7 @@ ImageTags ReadImageTags(std::string_view bytes, const ImageHeader& header);
 // Kind of a file by its extension.
 enum class FileKind {
   kImage,     // jpg, jpeg, png
-  kSideFile,  // csv, txt, json, jsonl, ndjson, yaml, yml
+  kSideFile,  // csv, txt, json, jsonl, mrk, ndjson, yaml, yml
   kUnread,    // orthophotos, point clouds, films: tif, laz, mp4, ...
   kUnknown,   // kind depends on the first bytes
 };

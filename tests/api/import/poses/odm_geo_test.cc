@@ -102,13 +102,17 @@ TEST_CASE("side files: a text that is nothing known is told from one that may be
 }
 
 TEST_CASE("geo.txt: what cannot be used is refused at its line") {
-  CHECK(ErrorOfGeo("EPSG:2056\na.jpg 8 47 5") == "422 InvalidPoses /poses/geo.txt/1");
-  CHECK(ErrorOfGeo("WGS84 UTM 61N\na.jpg 8 47 5") == "422 InvalidPoses /poses/geo.txt/1");
-  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47") == "422 InvalidPoses /poses/geo.txt/2");
-  CHECK(ErrorOfGeo("EPSG:4326\n\na.jpg 8 nan 5") == "422 InvalidPoses /poses/geo.txt/3");
-  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 47 91 5") == "422 InvalidPoses /poses/geo.txt/2");
-  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47 5\na.jpg 8 47 5") == "422 InvalidPoses /poses");
-  CHECK(ErrorOfGeo("EPSG:32632\na.jpg 8e9 47 5") == "422 InvalidPoses /poses/geo.txt/2");
+  CHECK(ErrorOfGeo("EPSG:2056\na.jpg 8 47 5") == "422 InvalidPoses /poses/2/x");
+  CHECK(ErrorOfGeo("EPSG:4978\na.jpg 8 47 5") == "422 InvalidPoses /poses");
+  CHECK(ErrorOfGeo("WGS84 UTM 61N\na.jpg 8 47 5") == "422 InvalidPoses /poses");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47") == "422 InvalidPoses /poses/2/altitude_m");
+  CHECK(ErrorOfGeo("EPSG:4326\n\na.jpg 8 nan 5") == "422 InvalidPoses /poses/3/y");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 97 98 5") == "422 InvalidPoses /poses/2/x");
+  CHECK(ErrorOfGeo("EPSG:32632\na.jpg 8e9 47 5") == "422 InvalidPoses /poses/2/x");
+  // Only the other way round it is on the earth.
+  const PoseFile swapped = ReadGeo("EPSG:4326\na.jpg 47 91 5");
+  CHECK(MetaOf(swapped, "a.jpg").position->longitude_deg == 91.0);
+  CHECK(Warns(swapped, "value 3 is read as the longitude"));
 }
 
 }  // namespace
