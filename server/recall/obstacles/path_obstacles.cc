@@ -139,9 +139,14 @@ void CheckHard(const StoredSites& stored,
 }
 
 // Bounds in the request's datum, widened by what the datums leave unknown.
+// Heights above ground count from the altitude of the touchdown.
 bool IsWithinHeights(const GivenObstacle& airspace,
                      double altitude_m,
+                     double ground_m,
                      const AltitudeReference& request) {
+  const double height_m = altitude_m - ground_m;
+  if (airspace.ceiling_above_ground_m && height_m > *airspace.ceiling_above_ground_m) return false;
+  if (airspace.floor_above_ground_m && height_m < *airspace.floor_above_ground_m) return false;
   if (airspace.ceiling_m && altitude_m > AltitudeIn(airspace, *airspace.ceiling_m, request)) {
     return false;
   }
@@ -160,10 +165,11 @@ bool IsWithinHeights(const GivenObstacle& airspace,
 bool Enters(const std::vector<GeoPoint>& path,
             const KnownObstacle& airspace,
             const AltitudeReference& request) {
+  const double ground_m = path.back().altitude_m;
   bool is_inside = false;
   March(path, kAirspaceStepM, [&](const GeoPoint& place) {
     const double distance_m = NearestOf(airspace.given, place).distance_m;
-    if (distance_m == 0.0 && IsWithinHeights(airspace.given, place.altitude_m, request)) {
+    if (distance_m == 0.0 && IsWithinHeights(airspace.given, place.altitude_m, ground_m, request)) {
       is_inside = true;
     }
     return is_inside ? HUGE_VAL : distance_m;
@@ -171,7 +177,21 @@ bool Enters(const std::vector<GeoPoint>& path,
   return is_inside;
 }
 
+bool AreWiresKnownAt(const KnownObstacles& near, const GeoPoint& place) {
+  return std::any_of(near.begin(), near.end(), [&place](const auto& known) {
+    return known->given.kind == ObstacleKind::kWiresKnown &&
+           NearestOf(known->given, place).distance_m == 0.0;
+  });
+}
+
 }  // namespace
+
+bool AreWiresKnown(const StoredSites& stored, const std::vector<GeoPoint>& places) {
+  return std::all_of(places.begin(), places.end(), [&stored](const GeoPoint& place) {
+    return AreWiresKnownAt(stored.maps.ObstaclesNear(stored.storage, BoxAroundPlace(place, 0.0)),
+                           place);
+  });
+}
 
 PathObstacles ObstaclesAlong(const StoredSites& stored,
                              const EmergencyRequest& request,
@@ -179,7 +199,12 @@ PathObstacles ObstaclesAlong(const StoredSites& stored,
   std::vector<GeoPoint> whole = path.transit;
   whole.insert(whole.end(), path.landing.begin(), path.landing.end());
   PathObstacles found;
-  for (const auto& obstacle : stored.maps.ObstaclesNear(stored.storage, BoxOf(whole))) {
+  const KnownObstacles near = stored.maps.ObstaclesNear(stored.storage, BoxOf(whole));
+  found.are_wires_known = std::all_of(whole.begin(), whole.end(), [&near](const GeoPoint& place) {
+    return AreWiresKnownAt(near, place);
+  });
+  for (const auto& obstacle : near) {
+    if (obstacle->given.kind == ObstacleKind::kWiresKnown) continue;
     if (obstacle->IsHard()) {
       CheckHard(stored, request, path, *obstacle, found);
     } else if (Enters(whole, *obstacle, ReferenceOf(request))) {
