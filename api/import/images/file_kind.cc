@@ -18,7 +18,7 @@ struct KnownExtension {
   std::string_view extension;
   FileKind kind;
 };
-constexpr std::array<KnownExtension, 20> kKnownExtensions{{
+constexpr std::array<KnownExtension, 21> kKnownExtensions{{
     {"jpg", FileKind::kImage},      {"jpeg", FileKind::kImage},      {"png", FileKind::kImage},
     {"csv", FileKind::kSideFile},   {"txt", FileKind::kSideFile},    {"json", FileKind::kSideFile},
     {"jsonl", FileKind::kSideFile}, {"mrk", FileKind::kSideFile}, {"ndjson", FileKind::kSideFile}, {"yaml", FileKind::kSideFile},
