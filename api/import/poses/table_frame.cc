@@ -102,7 +102,7 @@ void CheckAngles(const Table& table, TableFrame& frame) {
                          (is_headless && largest(PoseField::kRoll) > kMaxTiltDeg) ||
                          (is_headless && largest(PoseField::kPitch) > kMaxTiltDeg);
   // Kappa, in one direction of flight.
-  const bool is_kappa = is_headless && roll > kMaxSteadyRollDeg && std::max(pitch, yaw) < roll;
+  const bool is_kappa = is_headless && roll > 0.0 && (roll > kMaxSteadyRollDeg || yaw <= roll);
   if (is_tilted || is_kappa) {
     RemoveAngles(header, "the angles are no yaw, pitch, roll (omega, phi, kappa?)");
   } else if (pitch > kMaxTiltDeg && header.Has(PoseField::kYaw)) {
