@@ -66,10 +66,9 @@ class AngleReader {
   }
 
   bool TakeWord() {
-    std::string word;
-    for (; at_ < text_.size() && IsAsciiLetter(text_[at_]); ++at_) {
-      word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_])));
-    }
+    const size_t first = at_;
+    while (at_ < text_.size() && IsAsciiLetter(text_[at_])) ++at_;
+    const std::string word = InLowerCase(text_.substr(first, at_ - first));
     const bool is_second = word == "s" && had_minutes_ && parts_.numbers.size() == 3;
     if (const auto sign = SignOf(word, axis_); sign && !is_second) {
       const bool is_first = !parts_.hemisphere;
@@ -121,11 +120,7 @@ std::optional<double> AngleFromText(std::string_view text, Axis axis) {
 }
 
 std::optional<double> AngleInHemisphere(double angle_deg, std::string_view reference, Axis axis) {
-  std::string word;
-  for (const char c : Trimmed(reference)) {
-    word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  const std::optional<int> sign = SignOf(word, axis);
+  const std::optional<int> sign = SignOf(InLowerCase(Trimmed(reference)), axis);
   if (!sign || (*sign == 1 && angle_deg < 0.0)) return std::nullopt;
   return *sign * std::abs(angle_deg);
 }

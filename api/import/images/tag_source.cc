@@ -30,14 +30,6 @@ void PrepareExiv2() {
   static_cast<void>(kIsReady);
 }
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
-
 // Some programs write decimal commas.
 std::optional<double> DecimalFromText(std::string text) {
   const size_t comma = text.find(',');
@@ -132,8 +124,8 @@ std::optional<std::string> TagSource::ExifText(const std::string& key) const {
 
 std::optional<std::string> TagSource::XmpText(std::string_view prefix,
                                               std::string_view name) const {
-  const std::string wanted_prefix = Lower(prefix);
-  const std::string wanted_name = Lower(std::string(".").append(name));
+  const std::string wanted_prefix = InLowerCase(prefix);
+  const std::string wanted_name = InLowerCase(std::string(".").append(name));
   for (auto tag = xmp_.lower_bound(wanted_prefix); tag != xmp_.end(); ++tag) {
     const std::string& key = tag->first;
     if (key.rfind(wanted_prefix, 0) != 0) break;

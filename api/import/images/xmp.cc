@@ -27,12 +27,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kPrefixes
     {"ns.adobe.com/xap/1.0", "xmp"},
 }};
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
 std::string_view View(const xmlChar* text) {
   return text == nullptr ? std::string_view() : reinterpret_cast<const char*>(text);
 }
@@ -55,17 +49,17 @@ std::string Plain(std::string_view packet) {
 std::string KeyOf(const xmlNs* space, const xmlChar* name) {
   if (space == nullptr) {
     // The prefix of a namespace that is not declared is part of the name.
-    std::string key = Lower(View(name));
+    std::string key = InLowerCase(View(name));
     std::replace(key.begin(), key.end(), ':', '.');
     return key;
   }
-  std::string uri = Lower(View(space->href));
+  std::string uri = InLowerCase(View(space->href));
   if (uri.ends_with('/')) uri.pop_back();
   std::string_view prefix = View(space->prefix);
   for (const auto& [end, known] : kPrefixes) {
     if (uri.ends_with(end)) prefix = known;
   }
-  return Lower(std::string(prefix) + "." + std::string(View(name)));
+  return InLowerCase(std::string(prefix) + "." + std::string(View(name)));
 }
 
 class Reader {

@@ -28,9 +28,7 @@ std::optional<double> Labelled(const std::vector<std::string>& words, const std:
   for (const std::string& word : words) {
     const size_t comma = word.find(',');
     if (comma == std::string::npos) continue;
-    std::string name = word.substr(comma + 1);
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (name != label) continue;
+    if (InLowerCase(word.substr(comma + 1)) != label) continue;
     return NumberFromText(word.substr(0, comma));
   }
   return std::nullopt;
