@@ -20,21 +20,28 @@ bool HasWord(const std::string& text, const char* word) {
   return text.find(word) != std::string::npos;
 }
 
-// EXIF writes the side of sea level beside the number, or in a column of its own as 0 and 1.
+// EXIF writes the side of sea level beside the number, or in a column of its own as 0 to 3.
 std::optional<Altitude> AltitudeOf(const PoseLine& line) {
   const std::optional<std::string> text = line.Text(PoseField::kAltitude);
   if (!text) return std::nullopt;
   Altitude altitude{line.Number(PoseField::kAltitude).value(), line.header().AltitudeDatum()};
-  if (!altitude.datum && line.frame().system->IsEllipsoidal()) {
+  if (!altitude.datum && line.frame().system->IsEllipsoidal()) altitude.datum = "ellipsoid";
+  const std::string side =
+      InLowerCase(line.Text(PoseField::kAltitudeRef).value_or("")) + " " + InLowerCase(*text);
+  const auto begins = [&side](const char* letters) {
+    return std::string_view(letters).find(side[0]) != std::string_view::npos;
+  };
+  if (!begins(" ab0123")) {
+    throw InvalidPose(line.Pointer(PoseField::kAltitudeRef),
+                      "must be Above or Below Sea Level, or a number from 0 to 3");
+  }
+  const bool is_below = HasWord(side, "below") || begins("b13");
+  if (HasWord(side, "ellips") || begins("23")) {
     altitude.datum = "ellipsoid";
+  } else if (HasWord(side, "sea level") || is_below || begins("0")) {
+    altitude.datum = "amsl";
   }
-  const std::string reference =
-      InLowerCase(line.Text(PoseField::kAltitudeRef).value_or("") + " " + *text);
-  const bool is_below = HasWord(reference, "below") || reference.starts_with("1 ");
-  if (HasWord(reference, "sea level") || reference.starts_with("0 ") || is_below) {
-    altitude.datum = HasWord(reference, "ellips") ? "ellipsoid" : "amsl";
-  }
-  if (is_below && altitude.altitude_m > 0.0) altitude.altitude_m = -altitude.altitude_m;
+  if (is_below) altitude.altitude_m = -std::abs(altitude.altitude_m);
   if (std::abs(altitude.altitude_m) > kMaxAltitudeM) {
     throw InvalidPose(line.Pointer(PoseField::kAltitude), "is beyond 20 km");
   }
