@@ -110,7 +110,7 @@ void ChooseCamera(SideData& data) {
     if (AreNearlyEqual(camera.camera, chosen->camera)) continue;
     others.insert(camera.id);
     if (num_images_of(*chosen) > 0) continue;
-    throw InvalidSideFile({camera.path, ""},
+    throw InvalidSideFile({data.cameras.back().path, ""},
                           0,
                           "a second camera: a flight has only one, and no file tells which "
                           "photographs are whose");

@@ -98,6 +98,15 @@ GeoPoint LatitudeLongitude(const PoseLine& line) {
                     "is needed and empty");
 }
 
+// A latitude that can only be a longitude, beside a longitude that can be a latitude.
+bool MayBeSwapped(const PoseLine& line) {
+  const auto size = [&line](PoseField field) {
+    return std::abs(NumberFromText(line.Text(field).value_or("")).value_or(1e3));
+  };
+  const double latitude_deg = size(PoseField::kLatitude);
+  return latitude_deg > 90.0 && latitude_deg <= 180.0 && size(PoseField::kLongitude) <= 90.0;
+}
+
 }  // namespace
 
 std::optional<double> PoseLine::Coordinate(PoseField field) const {
@@ -114,7 +123,8 @@ std::optional<double> PoseLine::Coordinate(PoseField field) const {
   if (!angle_deg || std::abs(*angle_deg) > (is_latitude ? 90.0 : 180.0)) {
     throw InvalidPose(
         Pointer(field),
-        std::string("must be a ") + (is_latitude ? "latitude" : "longitude") + " in degrees");
+        std::string("must be a ") + (is_latitude ? "latitude" : "longitude") + " in degrees" +
+            (MayBeSwapped(*this) ? ": latitude and longitude may be swapped" : ""));
   }
   const PoseField ref_field = is_latitude ? PoseField::kLatitudeRef : PoseField::kLongitudeRef;
   if (!header().Has(ref_field)) return angle_deg;

@@ -134,7 +134,7 @@ TEST_CASE("program tables: Mission Planner's location.txt") {
       "DJI_0002.JPG 47.35134298 8.45580562 555.436 13.6693 0 0 98\n"
       "DJI_0003.JPG 47.35169163 8.45579576 556.556 13.1421 0 0 98\n";
   CheckTableAlone("location.txt", text);
-  const FrameMeta& meta =
+  const FrameMeta meta =
       MetaOf(PosesFromFiles({{"location.txt", text}}, Tagged()), "DJI_0001.JPG");
   CHECK(DegFromRad(EulerFromNedFromBody(meta.ned_from_body.value()).yaw) ==
         doctest::Approx(15.8732));
@@ -214,7 +214,7 @@ TEST_CASE("program tables: DJI's MRK, by the numbers of the photographs") {
       "3\t541810.521334\t[2316]\t    -7,N\t    -3,E\t   196,V\t47.35169163,Lat\t8.45579576,Lon\t"
       "556.556,Ellh\t0.012, 0.011, 0.025\t50,Q\n";
   CheckTableAlone("100_0001_Timestamp.MRK", text);
-  const FrameMeta& meta = MetaOf(PosesFromFiles({{"a.MRK", text}}, Tagged()), "DJI_0001.JPG");
+  const FrameMeta meta = MetaOf(PosesFromFiles({{"a.MRK", text}}, Tagged()), "DJI_0001.JPG");
   CHECK(meta.altitude_datum == "ellipsoid");
   // Sunday, 26 May 2024, and 541804.521334 s, without 18 leap seconds.
   CHECK(meta.timestamp_us == 1717223386521334);
