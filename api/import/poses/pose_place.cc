@@ -121,10 +121,10 @@ std::optional<double> PoseLine::Coordinate(PoseField field) const {
       is_plain || (text->find_first_of("eE/") != std::string::npos && NumberFromText(*text));
   std::optional<double> angle_deg = is_number ? Number(field) : AngleFromText(*text, axis);
   if (!angle_deg || std::abs(*angle_deg) > (is_latitude ? 90.0 : 180.0)) {
-    throw InvalidPose(
-        Pointer(field),
-        std::string("must be a ") + (is_latitude ? "latitude" : "longitude") + " in degrees" +
-            (MayBeSwapped(*this) ? ": latitude and longitude may be swapped" : ""));
+    throw InvalidPose(Pointer(field),
+                      std::string("must be a ") + (is_latitude ? "latitude" : "longitude") +
+                          " in degrees" +
+                          (MayBeSwapped(*this) ? ": latitude and longitude may be swapped" : ""));
   }
   const PoseField ref_field = is_latitude ? PoseField::kLatitudeRef : PoseField::kLongitudeRef;
   if (!header().Has(ref_field)) return angle_deg;

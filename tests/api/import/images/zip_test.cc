@@ -179,7 +179,11 @@ TEST_CASE("zip: names in any alphabet are read, with the flag of UTF-8 and witho
     if (is_marked) MarkNamesAsUtf8(zip);
     const std::vector<Entry> read = Read(zip);
     REQUIRE(read.size() == (is_marked ? 4 : 5));
-    for (size_t i = 0; i < 4; ++i) CHECK(read[i].name == entries[i].name);
+    for (const size_t i : {0U, 1U, 3U}) CHECK(read[i].name == entries[i].name);
+    // A letter and its accent become one character where the archive says that names are UTF-8.
+    CHECK(read[2].name == (is_marked ? "\xC3\x9C"
+                                       "berflug/2.jpg"
+                                     : entries[2].name));
     for (size_t i = 0; i < read.size(); ++i) CHECK(read[i].bytes == entries[i].bytes);
   }
 }

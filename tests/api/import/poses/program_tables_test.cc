@@ -134,8 +134,7 @@ TEST_CASE("program tables: Mission Planner's location.txt") {
       "DJI_0002.JPG 47.35134298 8.45580562 555.436 13.6693 0 0 98\n"
       "DJI_0003.JPG 47.35169163 8.45579576 556.556 13.1421 0 0 98\n";
   CheckTableAlone("location.txt", text);
-  const FrameMeta meta =
-      MetaOf(PosesFromFiles({{"location.txt", text}}, Tagged()), "DJI_0001.JPG");
+  const FrameMeta meta = MetaOf(PosesFromFiles({{"location.txt", text}}, Tagged()), "DJI_0001.JPG");
   CHECK(DegFromRad(EulerFromNedFromBody(meta.ned_from_body.value()).yaw) ==
         doctest::Approx(15.8732));
 }
