@@ -72,6 +72,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"InvalidValue", 422, "A value is not valid", 0},
     {"UnknownKey", 422, "A key is unknown", 0},
     {"RetiredOption", 422, "The option is retired", 0},
+    {"SurfaceNotMeasured", 422, "The surface is not told well enough", 0},
     {"InvalidId", 422, "The id is not valid", 0},
     {"InvalidAirspace", 422, "The airspace file cannot be used", 0},
     {"InvalidPoses", 422, "The pose file cannot be used", 0},

@@ -236,6 +236,7 @@ FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
   nlohmann::json object = ParseJson(canonical_json);
   const std::string reason = object.at("memory_reason");
   object.erase("memory_reason");
+  if (object.contains("options")) object["options"] = WithoutUnknownOptions(object.at("options"));
   FlightRequest request = ReadFlightRequest(object);
   request.memory.reason = reason;
   request.canonical_json = CanonicalJson(request);

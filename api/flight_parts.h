@@ -12,6 +12,8 @@ namespace freelsd {
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer);
 // Throws ApiError RetiredOption if the object sets a field that requests cannot set.
 void RefuseRetiredOptions(const nlohmann::json& object, const std::string& pointer);
+// The same options without those that this program does not have: another version stored them.
+nlohmann::json WithoutUnknownOptions(const nlohmann::json& object);
 // Writes the same form with every field. Withheld is terrain.height_fusion: the preset decides it.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 

@@ -138,6 +138,15 @@ const RequestOption* FindRequestOption(std::string_view stage, std::string_view 
 const std::vector<std::pair<std::string, std::vector<std::string>>> kFormerOptions{
     {"hazard",
      {"cover_method",
+      "min_rut_contrast",
+      "rut_filter_length_m",
+      "min_track_length_m",
+      "min_working_width_m",
+      "max_working_width_m",
+      "sprayed_margin_m",
+      "max_field_color_deviations",
+      "min_overreach_deviations",
+      "overreach_surroundings_m",
       "border_ramp_m",
       "max_border_residual_m",
       "min_raised_step_m",
@@ -227,6 +236,19 @@ void RefuseRetiredOptions(const nlohmann::json& object, const std::string& point
       throw RetiredOption(stage + "." + name, fields.PointerTo(name));
     });
   });
+}
+
+nlohmann::json WithoutUnknownOptions(const nlohmann::json& object) {
+  const nlohmann::json known = OptionsValuesJson(PipelineOptions{});
+  nlohmann::json kept = nlohmann::json::object();
+  if (object.contains("preset")) kept["preset"] = object.at("preset");
+  for (const auto& [stage, fields] : known.items()) {
+    if (!object.contains(stage)) continue;
+    for (const auto& [name, value] : object.at(stage).items()) {
+      if (fields.contains(name)) kept[stage][name] = value;
+    }
+  }
+  return kept;
 }
 
 nlohmann::json OptionsValuesJson(const PipelineOptions& options) {

@@ -98,8 +98,6 @@ template <class Visitor>
 void VisitFields(Of<ClassificationOptions> auto& o, Visitor&& visit) {
   visit("min_grass_probability", o.min_grass_probability);
   visit("max_not_grass_probability", o.max_not_grass_probability);
-  visit("min_mean_grey", o.min_mean_grey);
-  visit("max_mean_grey", o.max_mean_grey);
 }
 
 template <class Visitor>
@@ -222,24 +220,18 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("min_observation_probability", o.min_observation_probability);
   visit("max_observation_probability", o.max_observation_probability);
   visit("max_num_independent_views", o.max_num_independent_views);
+  visit("kind_smoothing_m", o.kind_smoothing_m);
+  visit("min_smoothed_probability", o.min_smoothed_probability);
   visit("min_vote_ratio", o.min_vote_ratio);
   visit("upper_margin_m", o.upper_margin_m);
-  visit("min_rut_contrast", o.min_rut_contrast);
-  visit("rut_filter_length_m", o.rut_filter_length_m);
-  visit("min_track_length_m", o.min_track_length_m);
-  visit("min_working_width_m", o.min_working_width_m);
-  visit("max_working_width_m", o.max_working_width_m);
-  visit("sprayed_margin_m", o.sprayed_margin_m);
-  visit("max_field_color_deviations", o.max_field_color_deviations);
   visit("max_telling_sampling_m", o.max_telling_sampling_m);
   visit("min_row_strength", o.min_row_strength);
   visit("min_row_spacing_m", o.min_row_spacing_m);
   visit("max_row_spacing_m", o.max_row_spacing_m);
   visit("min_detail_ratio", o.min_detail_ratio);
+  visit("max_still_water_posterior", o.max_still_water_posterior);
   visit("max_even_slope_deg", o.max_even_slope_deg);
   visit("max_even_roughness_m", o.max_even_roughness_m);
-  visit("min_overreach_deviations", o.min_overreach_deviations);
-  visit("overreach_surroundings_m", o.overreach_surroundings_m);
   visit("min_object_deviations", o.min_object_deviations);
   visit("object_surroundings_m", o.object_surroundings_m);
   visit("min_object_area_m2", o.min_object_area_m2);

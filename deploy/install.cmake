@@ -8,7 +8,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.bash-completion
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.1 ${PROJECT_SOURCE_DIR}/deploy/freelsd-mavlink.1
         DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsd-server.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
-install(FILES ${PROJECT_SOURCE_DIR}/engine/classification/grass_model.yml
+install(FILES ${PROJECT_SOURCE_DIR}/engine/ground_kind/ground_kind.onnx
+              ${PROJECT_SOURCE_DIR}/engine/ground_kind/ground_kind.json
               ${PROJECT_SOURCE_DIR}/engine/classification/paper_model.yml
         DESTINATION ${CMAKE_INSTALL_DATADIR}/freelsd)
 # Without npm there is none.

@@ -125,7 +125,7 @@ GroundLayers AssessGround(const ElevationMap& map,
   const GroundSurface surface =
       Timed(reports, "surface", [&] { return MeasureSurface(map, options.surface); });
   GroundCover cover = Timed(reports, "cover", [&] {
-    return AssessCover(map, surface, photos.grass_views, options.cover, std::move(photo));
+    return AssessCover(map, surface, photos.kind_views, options.cover, std::move(photo));
   });
   AssessedMap finished = Timed(reports, "hazard_layers", [&] {
     return AssessHazards(

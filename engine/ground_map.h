@@ -26,7 +26,7 @@ struct GroundLayers {
 };
 struct GroundPhotos {
   const AdjustedBlock& block;
-  const std::vector<GrassView>& grass_views;
+  const std::vector<KindView>& kind_views;
   const ImageSource& images;
 };
 // Completes the map and computes its layers: shape of the ground, cover and hazard.

@@ -13,6 +13,11 @@
 namespace freelsd {
 namespace {
 
+std::variant<KindNetwork, Classifier> TellerOf(const GroundModel& model) {
+  if (const auto* forest = std::get_if<Classifier>(&model)) return *forest;
+  return KindNetwork(std::get<KindModel>(model));
+}
+
 class Cancellable {
  public:
   explicit Cancellable(const Progress& progress) : progress_(progress) {}
@@ -126,9 +131,9 @@ void WarnOfViews(const Selection& selection, Evaluation& evaluation) {
 
 }  // namespace
 
-Frontend::Frontend(const Rig& rig, const PipelineOptions& options, Classifier classifier)
+Frontend::Frontend(const Rig& rig, const PipelineOptions& options, const GroundModel& model)
     : options_(options),
-      classifier_(std::move(classifier)),
+      teller_(TellerOf(model)),
       rig_(rig),
       tracks_(rig, options.tracks),
       regions_(options.regions) {
@@ -168,14 +173,27 @@ void Frontend::ProcessView(const ReadyFrame& ready) {
         ready.frame.image, rig_.camera, view.height_above_ground, options_.segmentation);
   });
   const Labels labels = Timed(reports_, "classification", [&] {  // Sec. III-D
-    return ClassifySegments(segments, classifier_, options_.classification);
+    return TellKinds(ready, segments);
   });
   Timed(reports_, "region_manager", [&] {  // Sec. III-E
     regions_.Update(*ready.view, segments, labels, tracks_);
     return 0;
   });
-  grass_masks_.resize(std::max(grass_masks_.size(), *ready.view + 1));
-  grass_masks_[*ready.view] = Packed(GrassMask(segments, labels), segments.image_px_per_working_px);
+}
+
+// Keeps what the photograph says of the ground, and returns the class of each segment.
+Labels Frontend::TellKinds(const ReadyFrame& ready, const Segments& segments) {
+  kinds_.resize(std::max(kinds_.size(), *ready.view + 1));
+  KindPicture& picture = kinds_[*ready.view];
+  if (const auto* forest = std::get_if<Classifier>(&teller_)) {
+    Labels labels = ClassifySegments(segments, *forest, options_.classification);
+    picture = PictureOf(segments, labels);
+    return labels;
+  }
+  const double height = tracks_.views()[*ready.view].height_above_ground;
+  picture =
+      std::get<KindNetwork>(teller_).Tell(ready.frame.image, height / rig_.camera.MeanFocalPx());
+  return LabelsOf(segments, picture, options_.classification);
 }
 
 // Attitudes from matches and attitudes in survey photographs are wrong by up to several
@@ -229,7 +247,7 @@ std::vector<WindSample> Frontend::RecentWind() const {
 Snapshot Frontend::TakeSnapshot() const {
   return {rig_,
           tracks_.views(),
-          grass_masks_,
+          kinds_,
           RankedRegions(),
           regions_.MinNumObservations(),
           RecentWind(),
@@ -293,10 +311,10 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                                             evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
     WarnOfCoarseImages(evaluation, options);
-    const std::vector<GrassView> grass_views =
-        AdjustedGrassViews(snapshot, selection.indices, evaluation.block);
+    const std::vector<KindView> kind_views =
+        AdjustedKindViews(snapshot, selection.indices, evaluation.block);
     GroundLayers ground = AssessGround(map,
-                                       {evaluation.block, grass_views, images},
+                                       {evaluation.block, kind_views, images},
                                        aircraft,
                                        options.hazard,
                                        evaluation.reports);  // Sec. III-G
@@ -316,8 +334,8 @@ Evaluation Detect(const Rig& rig,
                   const std::vector<Frame>& frames,
                   const Aircraft& aircraft,
                   const PipelineOptions& options,
-                  const Classifier& classifier) {
-  Frontend frontend(rig, options, classifier);
+                  const GroundModel& model) {
+  Frontend frontend(rig, options, model);
   std::map<std::string, cv::Mat> images;
   for (const Frame& frame : frames) {
     images[frame.id] = frame.image;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "engine/selection/selection.h"
@@ -24,7 +25,7 @@ struct FrameResult {
 
 class Frontend {
  public:
-  Frontend(const Rig& rig, const PipelineOptions& options, Classifier classifier);
+  Frontend(const Rig& rig, const PipelineOptions& options, const GroundModel& model);
 
   // Processes one frame as it arrives; must keep up with the image rate. A frame may wait for its
   // neighbours, so the results may be empty or be those of earlier frames.
@@ -46,14 +47,15 @@ class Frontend {
   bool NeedsRefinement(size_t view) const;
   void RefinePoses();
   void ProcessView(const ReadyFrame& ready);
+  Labels TellKinds(const ReadyFrame& ready, const Segments& segments);
   std::vector<WindSample> RecentWind() const;
 
   PipelineOptions options_;
-  Classifier classifier_;
+  std::variant<KindNetwork, Classifier> teller_;
   Rig rig_;
   Tracks tracks_;
   Regions regions_;
-  std::vector<PackedMask> grass_masks_;
+  std::vector<KindPicture> kinds_;
   std::vector<WindSample> wind_samples_;
   std::vector<StageReport> reports_;
 };
@@ -102,6 +104,6 @@ Evaluation Detect(const Rig& rig,
                   const std::vector<Frame>& frames,
                   const Aircraft& aircraft,
                   const PipelineOptions& options,
-                  const Classifier& classifier);
+                  const GroundModel& model);
 
 }  // namespace freelsd

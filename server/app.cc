@@ -15,31 +15,20 @@
 namespace freelsd {
 namespace {
 
-struct ReadClassifier {
-  Classifier classifier;
-  // SHA-256 of its file.
-  std::string digest;
-};
-
-ReadClassifier ReadModel(const std::filesystem::path& path, const std::string& advice) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw ConfigError("the grass model " + path.string() + " cannot be read; " + advice);
-  }
+GroundModelFile ReadModel(const std::filesystem::path& path, const std::string& advice) {
   try {
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    return {Classifier::Parse(text), Sha256Hex(text)};
+    return ReadGroundModel(path);
   } catch (const std::invalid_argument& error) {
-    throw ConfigError(path.string() + " is not a grass model: " + error.what());
+    throw ConfigError("the model of the ground: " + std::string(error.what()) + "; " + advice);
   }
 }
 
-Classifiers ReadModels(const Config& config) {
-  ReadClassifier grass =
-      ReadModel(config.model.empty() ? BesideProgram("grass_model.yml") : config.model,
+GroundModels ReadModels(const Config& config) {
+  const GroundModelFile kinds =
+      ReadModel(config.model.empty() ? BesideProgram("ground_kind.onnx") : config.model,
                 "give its path with --model");
-  ReadClassifier paper = ReadModel(BesideProgram("paper_model.yml"), "install it there");
-  return {std::move(grass.classifier), std::move(paper.classifier), grass.digest, paper.digest};
+  const GroundModelFile paper = ReadModel(BesideProgram("paper_model.yml"), "install it there");
+  return {kinds.model, paper.model, Sha256Hex(kinds.bytes), Sha256Hex(paper.bytes)};
 }
 
 Page ReadPageFiles(const Config& config) {

@@ -234,7 +234,10 @@ std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   app.add_option("--area", area, "WEST,SOUTH,EAST,NORTH in degrees, of the copy");
   app.add_option("--follow-token-file", follow_token_file, "File with the token for that server");
   app.add_option("--config", config_file, "JSON file with these and further settings");
-  app.add_option("--model", model, "Grass classifier, default: beside the program");
+  app.add_option(
+      "--model",
+      model,
+      "Network of ground kinds (.onnx, its .json beside it), default: beside the program");
   app.add_option("--page", page, "Folder of the page, default: beside the program");
   app.set_version_flag("--version", "freelsd-server " FREELSD_VERSION);
   try {

@@ -10,7 +10,7 @@ export const kMostLogOdds = 7.875;
 // What denies grass, or what speaks for and against it.
 const cueNames = {
   views: 'grass in the photographs', look_alike: 'crop that looks like grass', small_object: 'small object',
-  overreach: 'colour unlike its meadow', fence: 'fence',
+  fence: 'fence',
 };
 
 export const cueName = (cue) => cueNames[cue] ?? words(cue);

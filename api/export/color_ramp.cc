@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/ground_kind/ground_kind.h"
+
 namespace freelsd {
 namespace {
 
@@ -21,6 +23,17 @@ constexpr std::array<std::array<uint8_t, 3>, 10> kCividis{{{0, 34, 78},
 // Brown, white, teal (ColorBrewer BrBG).
 constexpr std::array<std::array<uint8_t, 3>, 5> kBrownTeal{
     {{140, 81, 10}, {216, 179, 101}, {245, 245, 245}, {90, 180, 172}, {1, 102, 94}}};
+// By GroundKind: grass, rough, crop, stubble, soil, sand, tree, water, sealed, snow.
+constexpr std::array<std::array<uint8_t, 3>, kNumGroundKinds> kKindColors{{{102, 194, 82},
+                                                                           {154, 160, 60},
+                                                                           {196, 222, 60},
+                                                                           {232, 206, 112},
+                                                                           {140, 96, 62},
+                                                                           {240, 228, 180},
+                                                                           {22, 92, 46},
+                                                                           {52, 120, 200},
+                                                                           {130, 130, 138},
+                                                                           {250, 250, 255}}};
 // Start of the ramps of free ground. It must be brighter than unseen ground.
 constexpr double kFreeRampStart = 0.35;
 template <size_t n>
@@ -44,6 +57,12 @@ cv::Vec4b Bgra(const Color& color) {
 }
 
 Color RampColor(const std::string& name, double share) {
+  if (name == "kind") {
+    const auto kind = static_cast<int>(std::floor(share * kNumGroundKinds));
+    const auto& [red, green, blue] =
+        kKindColors[static_cast<size_t>(std::clamp(kind, 0, kNumGroundKinds - 1))];
+    return {red, green, blue};
+  }
   if (name == "grass") return Interpolate(kBrownTeal, share);
   if (name == "distance" || name == "risk") {
     // The brighter the safer.

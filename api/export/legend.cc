@@ -6,6 +6,7 @@
 
 #include "api/export/color_ramp.h"
 #include "api/export/png.h"
+#include "engine/ground_kind/ground_kind.h"
 
 namespace freelsd {
 namespace {
@@ -42,6 +43,7 @@ std::string Title(const std::string& name) {
   if (name == "height_sd") return "standard deviation of elevation, m";
   if (name == "coverage") return "photographs that see the cell";
   if (name == "risk") return "probability that the ground is unfit";
+  if (name == "kind") return "likeliest kind of ground";
   return "hazard, with entered obstacles";
 }
 
@@ -68,9 +70,25 @@ void DrawSwatch(cv::Mat3b& legend, const Color& color, const std::string& text, 
   Write(legend, text, {x + kLineHeight + 5, y + kLineHeight - 6});
 }
 
+std::string KindLegendPng() {
+  constexpr int kNumCols = 3, kStep = 84;
+  constexpr int kNumLines = 1 + (kNumGroundKinds + kNumCols - 1) / kNumCols;
+  cv::Mat3b legend(2 * kMargin + kNumLines * kLineHeight, kLegendWidth, cv::Vec3b(255, 255, 255));
+  Write(legend, Title("kind"), {kMargin, kMargin + kLineHeight - 7});
+  for (int kind = 0; kind < kNumGroundKinds; ++kind) {
+    DrawSwatch(legend,
+               RampColor("kind", (kind + 0.5) / kNumGroundKinds),
+               NameOf(static_cast<GroundKind>(kind)),
+               kMargin + kind % kNumCols * kStep,
+               kMargin + (1 + kind / kNumCols) * kLineHeight + 4);
+  }
+  return EncodePng(legend);
+}
+
 }  // namespace
 
 std::string LegendPng(const std::string& name, const Scale& scale) {
+  if (name == "kind") return KindLegendPng();
   const bool has_bar = name != "hazard",
              has_swatches = name == "hazard" || name == "distance" || name == "risk";
   const int num_lines = 1 + (has_bar ? 2 : 0) + (has_swatches ? 1 : 0);

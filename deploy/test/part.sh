@@ -15,7 +15,7 @@ source deploy/test/register.sh
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 readonly server=build/release/server/freelsd-server
-readonly model=engine/classification/grass_model.yml
+readonly model=engine/ground_kind/ground_kind.onnx
 readonly flight=build/test/sample-flight-1-72
 
 # or_skip COMMAND...: then the whole part is skipped.

@@ -17,16 +17,6 @@ enum class FeatureSet {
   kHsv,      // 6: mean and deviation of H, S, V; hue is averaged as an angle
   kRgbHsv,   // 12: those of kRgb and kHsv
   kPaper18,  // 18: those of kRgbHsv, and mean and deviation of three Gabor responses (gabor.h)
-  // The default, because it generalises best to other places. Grass is green, and its brightness
-  // hardly varies at the scales of a leaf and of a bush. The forest uses four features. In the last
-  // three, d is the mean log brightness over a small window minus that over a large window.
-  // 1. Mean excess green, (2G - R - B) / (R + G + B).
-  // 2. Logarithm of the standard deviation of d, for windows of 0.6 and 1.8 m.
-  // 3. Logarithm of the standard deviation of d, for windows of 1.8 and 4.2 m.
-  // 4. Skewness of d, for windows of 0.3 and 0.9 m. Fern has dark gaps between bright leaves.
-  // Two more features only detect regions unlike the training grass: the mean logarithms of red /
-  // green and of blue / green.
-  kRobust,
 };
 
 struct ClassificationOptions {
@@ -36,9 +26,6 @@ struct ClassificationOptions {
   // region counts as not grass. Differs: the paper takes the majority of trees.
   double min_grass_probability = 0.7;
   double max_not_grass_probability = 0.4;
-  // Regions with a mean grey level outside this range are unsure.
-  double min_mean_grey = 20.0;
-  double max_mean_grey = 245.0;
 
   void Check() const;
 };
@@ -46,12 +33,14 @@ struct ClassificationOptions {
 enum class Surface { kGrass, kNotGrass, kUnsure };
 
 struct Label {
-  // Probability of grass, 0..1: calibrated, or the share of votes of a model in the published form.
+  // Probability of grass, 0..1. Of a Classifier, the share of the trees that vote for grass.
   double probability = 0.5;
   Surface surface = Surface::kUnsure;
 };
 // One per Segments::segments, same order.
 using Labels = std::vector<Label>;
+
+Surface SurfaceOf(double probability, const ClassificationOptions& options);
 
 // A trained random forest and its feature set. Immutable, safe to share between threads.
 class Classifier {
@@ -73,22 +62,18 @@ class Classifier {
   std::shared_ptr<const Model> model_;
 };
 
-// "rgb", "hsv", "rgbhsv", "paper18", "robust", as in models and on the command line.
+// "rgb", "hsv", "rgbhsv", "paper18", as in models.
 std::string NameOf(FeatureSet feature_set);
 std::optional<FeatureSet> FeatureSetNamed(const std::string& name);
+// Length of a feature row.
+size_t NumFeatures(FeatureSet feature_set);
 
-// The image that features are measured in. For kRobust, the veil of air is taken off: each channel
-// less the level of its darkest pixels (dark-object subtraction, Chavez 1988), because air adds
-// nearly the same light everywhere. A photograph without shadows stays as it is. Needs the whole
-// photograph, BGR. Other feature sets take it unchanged.
-cv::Mat3b ImageForFeatures(const cv::Mat3b& photograph, FeatureSet feature_set);
-
-// Features of one region: only pixels where mask != 0. `image` is a part of ImageForFeatures.
+// Features of one region: only pixels where mask != 0. `image` is BGR.
 std::vector<float> RegionFeatures(const cv::Mat3b& image,
                                   const cv::Mat1b& mask,
-                                  double ground_sampling_distance_m,
                                   FeatureSet feature_set);
 
+// Segments as red as vegetation in infrared false colour are unsure.
 Labels ClassifySegments(const Segments& segments,
                         const Classifier& classifier,
                         const ClassificationOptions& options);
@@ -98,25 +83,16 @@ struct TrainingSample {
   bool is_grass = false;
   // When a place is left out for validation, none of its samples are used for training.
   std::string place;
-  // A varied copy of another sample: trained on, never validated on.
-  bool is_augmented = false;
-};
-
-enum class TrainingForm {
-  kCalibrated,  // settings by leaving one place out; votes calibrated; ranges of features checked
-  kPublished,   // as in the paper: settings by random folds; the majority of trees decides
 };
 
 struct TrainingOptions {
-  TrainingForm form = TrainingForm::kCalibrated;
-  FeatureSet feature_set = FeatureSet::kRobust;
-  // Values to choose from. kCalibrated leaves out one place at a time. The pair of depth and
-  // least samples per branch with the lowest error is chosen. Paper: Sec. III-D, 10-fold, values
-  // not given; kPublished. Differs: with random folds, training and validation share places, which
-  // favours deep trees.
-  std::vector<int> max_depths{4, 6};
-  std::vector<int> min_samples_per_branch{20, 60};
-  int num_trees = 30;
+  FeatureSet feature_set = FeatureSet::kPaper18;
+  // Values to choose from. The pair of depth and least samples per branch with the lowest error in
+  // random folds is chosen. Paper: Sec. III-D, 10-fold, values not given.
+  std::vector<int> max_depths{2, 4, 6, 8, 12, 16};
+  std::vector<int> min_samples_per_branch{2, 5, 10, 20, 40};
+  // Odd: every vote has a majority.
+  int num_trees = 31;
   int num_folds = 10;
   int seed = 1;
 
@@ -126,11 +102,9 @@ struct TrainingOptions {
 struct TrainingReport {
   int max_depth = 0;
   int min_samples_per_branch = 0;
-  // Results of cross-validation with the chosen pair. They rate the forest's majority vote, before
-  // calibration and range check. Augmented samples are not rated.
-  // - random_fold: random folds.
-  // - leave_one_place_out: each place is predicted from the others. If there is only one place,
-  //   random folds are used.
+  // Results of cross-validation with the chosen pair.
+  // - random_fold: random folds. Training and validation share places, so the error is too low.
+  // - leave_one_place_out: each place is predicted from the others. NaN if there is one place only.
   double random_fold_error_ratio = 0.0;
   double random_fold_auc = 0.0;
   double leave_one_place_out_error_ratio = 0.0;

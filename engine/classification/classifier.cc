@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -8,31 +6,14 @@
 
 #include "engine/check/check.h"
 #include "engine/classification/classification.h"
-#include "engine/classification/features.h"
 #include "engine/classification/model.h"
 
 namespace freelsd {
 namespace {
 
-constexpr int kModelVersion = 1;
-// Value of `form` in a model without calibration and ranges.
-constexpr const char* kPublishedForm = "published";
+constexpr int kModelVersion = 2;
 // Soil and leaf litter rarely reach this; vegetation in infrared false colour has 1.4 to 2.
 constexpr double kMaxRedToGreen = 1.35;
-// Upper limit outside the training range: midway between grass and not grass.
-constexpr double kUnsureProbability = 0.5;
-
-bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& features) {
-  for (size_t i = 0; i < features.size(); ++i) {
-    const RangeMargin margin = MarginOf(model.feature_set, i);
-    const float range = model.grass_max[i] - model.grass_min[i];
-    if (features[i] < std::max(margin.least, model.grass_min[i] - margin.below * range) ||
-        features[i] > model.grass_max[i] + margin.above * range) {
-      return false;
-    }
-  }
-  return true;
-}
 
 // Whether nodes, in preorder, form one complete tree. OpenCV does not check them and aborts the
 // process on a truncated file.
@@ -67,13 +48,8 @@ void CheckForest(const cv::FileNode& forest) {
 }
 
 void CheckModel(const Classifier::Model& model) {
-  // A calibrated model without ranges is cut.
-  const size_t num_features = model.calibration ? NumFeatures(model.feature_set) : 0;
-  if (model.grass_min.size() != num_features || model.grass_max.size() != num_features) {
-    throw std::invalid_argument("grass model: ranges do not fit the feature set");
-  }
   if (!model.forest || !model.forest->isTrained() ||
-      model.forest->getVarCount() != static_cast<int>(NumForestFeatures(model.feature_set))) {
+      model.forest->getVarCount() != static_cast<int>(NumFeatures(model.feature_set))) {
     throw std::invalid_argument("grass model: the forest does not fit the feature set");
   }
 }
@@ -88,12 +64,6 @@ std::shared_ptr<Classifier::Model> ReadModel(const cv::FileStorage& file) {
   if (!feature_set) throw std::invalid_argument("grass model: unknown feature set");
   model->feature_set = *feature_set;
   model->provenance = static_cast<std::string>(file["provenance"]);
-  if (static_cast<std::string>(file["form"]) != kPublishedForm) {
-    model->calibration = Calibration{static_cast<double>(file["calibration_slope"]),
-                                     static_cast<double>(file["calibration_offset"])};
-    file["grass_min"] >> model->grass_min;
-    file["grass_max"] >> model->grass_max;
-  }
   CheckForest(file["forest"]);
   model->forest = cv::ml::RTrees::create();
   model->forest->read(file["forest"]);
@@ -101,17 +71,8 @@ std::shared_ptr<Classifier::Model> ReadModel(const cv::FileStorage& file) {
   return model;
 }
 
-Surface SurfaceOf(double probability, const ClassificationOptions& options) {
-  if (probability >= options.min_grass_probability) return Surface::kGrass;
-  if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
-  return Surface::kUnsure;
-}
-
-// Neither too dark, nor burnt out, nor as red as vegetation in infrared.
-bool CanBeTold(const cv::Scalar& mean_bgr, const ClassificationOptions& options) {
-  const double grey = (mean_bgr[0] + mean_bgr[1] + mean_bgr[2]) / 3.0;
-  return grey >= options.min_mean_grey && grey <= options.max_mean_grey &&
-         mean_bgr[2] <= kMaxRedToGreen * mean_bgr[1];
+bool IsRedAsInInfrared(const cv::Scalar& mean_bgr) {
+  return mean_bgr[2] > kMaxRedToGreen * mean_bgr[1];
 }
 
 // Labels resampled to the size of the detail image.
@@ -137,6 +98,12 @@ std::vector<cv::Rect> BoxesOf(const cv::Mat1i& labels, size_t num_labels) {
 
 }  // namespace
 
+Surface SurfaceOf(double probability, const ClassificationOptions& options) {
+  if (probability >= options.min_grass_probability) return Surface::kGrass;
+  if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
+  return Surface::kUnsure;
+}
+
 void ClassificationOptions::Check() const {
   const FieldCheck check("classification");
   check.Inside("min_grass_probability", min_grass_probability, 0.5, 1.0);
@@ -145,11 +112,6 @@ void ClassificationOptions::Check() const {
       "max_not_grass_probability",
       max_not_grass_probability,
       "must be >= 0 and below min_grass_probability");
-  check.Require(min_mean_grey >= 0.0 && min_mean_grey < max_mean_grey,
-                "min_mean_grey",
-                min_mean_grey,
-                "must be >= 0 and below max_mean_grey");
-  check.Require(max_mean_grey <= 255.0, "max_mean_grey", max_mean_grey, "must be <= 255");
 }
 
 Classifier::Classifier(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
@@ -169,13 +131,6 @@ std::string Classifier::Serialize() const {
   cv::FileStorage file(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   file << "version" << kModelVersion << "feature_set" << NameOf(model_->feature_set);
   file << "provenance" << model_->provenance;
-  if (model_->calibration) {
-    file << "calibration_slope" << model_->calibration->slope;
-    file << "calibration_offset" << model_->calibration->offset;
-    file << "grass_min" << model_->grass_min << "grass_max" << model_->grass_max;
-  } else {
-    file << "form" << kPublishedForm;
-  }
   file << "forest"
        << "{";
   model_->forest->write(file);
@@ -193,12 +148,7 @@ double Classifier::Predict(const std::vector<float>& features) const {
                                 " features, the model has " +
                                 std::to_string(NumFeatures(model_->feature_set)));
   }
-  const double votes = GrassVotes(*model_->forest, features);
-  if (!model_->calibration) return votes;
-  const auto& [slope, offset] = *model_->calibration;
-  const double probability = 1.0 / (1.0 + std::exp(-(slope * votes + offset)));
-  if (IsInGrassRange(*model_, features)) return probability;
-  return std::min(probability, kUnsureProbability);
+  return GrassVotes(*model_->forest, features);
 }
 
 double GrassVotes(const cv::ml::RTrees& forest, const std::vector<float>& features) {
@@ -222,7 +172,6 @@ Labels ClassifySegments(const Segments& segments,
   const cv::Rect frame({0, 0}, regions.size());
   // Filters need some surroundings of the region.
   constexpr int kSurroundingsPx = 16;
-  const cv::Mat3b clear = ImageForFeatures(segments.detail_image, classifier.feature_set());
   Labels labels;
   for (const Segment& segment : segments.segments) {
     cv::Rect box = boxes[static_cast<size_t>(segment.label)];
@@ -232,10 +181,10 @@ Labels ClassifySegments(const Segments& segments,
                    box.height + 2 * kSurroundingsPx) &
           frame;
     const cv::Mat1b mask = regions(box) == segment.label;
+    const cv::Mat3b image = segments.detail_image(box);
     Label label;
-    if (CanBeTold(cv::mean(segments.detail_image(box), mask), options)) {
-      label.probability = classifier.Predict(RegionFeatures(
-          clear(box), mask, segments.detail_sampling_distance_m, classifier.feature_set()));
+    if (!IsRedAsInInfrared(cv::mean(image, mask))) {
+      label.probability = classifier.Predict(RegionFeatures(image, mask, classifier.feature_set()));
       label.surface = SurfaceOf(label.probability, options);
     }
     labels.push_back(label);

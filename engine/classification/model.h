@@ -1,9 +1,7 @@
-// A trained forest. Unless it is in the published form: its calibration, and the ranges of the
-// features in the training grass.
+// A trained forest.
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,22 +11,10 @@
 
 namespace freelsd {
 
-// Calibrated probability = 1 / (1 + exp(-(slope * votes + offset))), votes in 0..1 (Platt 1999).
-struct Calibration {
-  double slope = 1.0;
-  double offset = 0.0;
-};
-
 struct Classifier::Model {
-  FeatureSet feature_set = FeatureSet::kRobust;
+  FeatureSet feature_set = FeatureSet::kPaper18;
   std::string provenance;
   cv::Ptr<cv::ml::RTrees> forest;
-  // Empty: the share of votes is the probability, as in the paper.
-  std::optional<Calibration> calibration;
-  // Range of each feature over the grass of the training data. Empty: no feature is out of range,
-  // as in the paper.
-  std::vector<float> grass_min;
-  std::vector<float> grass_max;
 };
 
 // Share of the trees that vote for grass.

@@ -61,7 +61,7 @@ std::vector<Prediction> CrossValidate(const std::vector<TrainingSample>& samples
     if (!HasBothKinds(training)) continue;
     const Predictor predict = learner(training);
     for (size_t i = 0; i < samples.size(); ++i) {
-      if (fold_of_sample[i] != fold || samples[i].is_augmented) continue;
+      if (fold_of_sample[i] != fold) continue;
       predictions.push_back({predict(samples[i].features), samples[i].is_grass});
     }
   }

@@ -22,7 +22,7 @@ struct Prediction {
 std::vector<int> RandomFolds(size_t num_samples, int num_folds, int seed);
 std::vector<int> FoldsByPlace(const std::vector<TrainingSample>& samples);
 
-// A prediction for every sample that is not augmented, by a learner that saw the other folds.
+// A prediction for every sample, by a learner that saw the other folds.
 std::vector<Prediction> CrossValidate(const std::vector<TrainingSample>& samples,
                                       const std::vector<int>& fold_of_sample,
                                       const Learner& learner);

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
 
 #include "engine/cover/fences.h"
-#include "engine/cover/grass.h"
+#include "engine/cover/kind_fusion.h"
 #include "engine/cover/look_alikes.h"
 #include "engine/cover/open_cover.h"
-#include "engine/cover/overreach.h"
 #include "engine/cover/small_objects.h"
 
 namespace freelsd {
@@ -52,6 +52,19 @@ cv::Mat1f LogOddsOf(const cv::Mat1f& probability) {
   return log_odds;
 }
 
+// The likeliest kind of each cell, with the rules applied. `other`: of the kinds beside grass.
+cv::Mat1b LikeliestKinds(const cv::Mat1f& grass, const cv::Mat1b& other) {
+  constexpr float kLikelier = 0.5f;
+  cv::Mat1b kinds = other.clone();
+  for (int row = 0; row < kinds.rows; ++row) {
+    for (int col = 0; col < kinds.cols; ++col) {
+      if (!(grass(row, col) >= kLikelier)) continue;
+      kinds(row, col) = LikelyKind{GroundKind::kGrass, grass(row, col)}.Packed();
+    }
+  }
+  return kinds;
+}
+
 // Rules deny grass one after the other, and are noted.
 class Denials {
  public:
@@ -71,26 +84,9 @@ class Denials {
 struct CoverInput {
   const ElevationMap& map;
   const GroundSurface& surface;
-  const std::vector<GrassView>& grass_views;
+  const std::vector<KindView>& kind_views;
   const Orthophoto& photo;
 };
-
-// Denies overreach of segments and fences.
-void DenySoftBorders(const ElevationMap& map,
-                     const GroundSurface& surface,
-                     const CoverOptions& options,
-                     const Orthophoto& photo,
-                     GroundCover& cover) {
-  if (photo.image.empty()) return;
-  Denials denials(cover);
-  const cv::Mat1b is_even = EvenGrass(map, surface, cover.grass, options);
-  if (options.min_overreach_deviations > 0.0) {
-    denials.Deny("overreach", OverreachingGrass(cover.grass, photo, map.grid, options));
-  }
-  if (options.min_fence_deviations > 0.0) {
-    denials.Deny("fence", FindFences(photo, is_even, map.grid, options));
-  }
-}
 
 // Grass by the views, and by rules, each of which has a veto.
 void AddGrassByRules(const CoverInput& input,
@@ -99,13 +95,14 @@ void AddGrassByRules(const CoverInput& input,
                      GroundCover& cover) {
   const ElevationMap& map = input.map;
   const Orthophoto& photo = input.photo;
-  cover.grass = FuseGrass(map, input.grass_views, options);
+  std::tie(cover.grass, cover.kind) = FuseKinds(map, input.kind_views, options);
   cover.cues.push_back(LayerOf("views", LogOddsOf(cover.grass)));
   cv::Mat1b look_alikes;
   cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
     for (int step = steps.start; step < steps.end; ++step) {
       if (step == 0) cells.objects = FindSmallObjects(photo, map.grid, options);
-      if (step == 1) look_alikes = FindLookAlikes(photo, map.grid, options);
+      if (step == 1)
+        look_alikes = FindLookAlikes(photo, map.grid, {cover.grass, cover.kind}, options);
     }
   });
   Denials denials(cover);
@@ -113,7 +110,9 @@ void AddGrassByRules(const CoverInput& input,
   // Fences and objects are still part of their meadow here.
   cells.is_meadow = cover.grass >= options.min_grass_posterior;
   denials.Deny("small_object", cells.objects);
-  DenySoftBorders(map, input.surface, options, photo, cover);
+  if (photo.image.empty() || options.min_fence_deviations == 0.0) return;
+  const cv::Mat1b is_even = EvenGrass(map, input.surface, cover.grass, options);
+  denials.Deny("fence", FindFences(photo, is_even, map.grid, options));
 }
 
 }  // namespace
@@ -126,13 +125,13 @@ int8_t CueStepOf(float log_odds) {
 
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
-                        const std::vector<GrassView>& grass_views,
+                        const std::vector<KindView>& kind_views,
                         const CoverOptions& options,
                         Orthophoto photo) {
   options.Check();
   GroundCover cover;
   if (map.elevation.empty()) {
-    cover.grass = FuseGrass(map, grass_views, options);
+    std::tie(cover.grass, cover.kind) = FuseKinds(map, kind_views, options);
     return cover;
   }
   const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);
@@ -140,7 +139,8 @@ GroundCover AssessCover(const ElevationMap& map,
   photo.second_image.release();
   photo.second_seen.release();
   MeadowCells cells;
-  AddGrassByRules({map, surface, grass_views, photo}, options, cells, cover);
+  AddGrassByRules({map, surface, kind_views, photo}, options, cells, cover);
+  cover.kind = LikeliestKinds(cover.grass, cover.kind);
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
   cells.is_meadow |= cells.is_clear_class;
   cover.open = FindOpenCover(disagreement, map.grid, cells, options.photo);

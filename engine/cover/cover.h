@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/ground_kind/ground_kind.h"
 #include "engine/terrain/terrain.h"
 
 namespace freelsd {
@@ -63,16 +64,21 @@ struct CoverOptions {
   // kPosterior: posterior over all observations of a cell. kPaperOr: the paper's OR of all fine
   // masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;
-  // Least posterior of a grass cell. It is greater than max_observation_probability, so that one
-  // view never suffices.
-  double min_grass_posterior = 0.95;
+  // Least posterior of a grass cell. The risk of a landing adds up what is left (RiskOptions).
+  double min_grass_posterior = 0.8;
   // Limits of the probability from one observation, because no single view is certain.
   double min_observation_probability = 0.1;
   double max_observation_probability = 0.9;
-  // Errors of views at 4 Hz are not independent (same light, same growth). The mean log-odds of a
-  // cell is multiplied by its number of views, but at most by this number. Differs: the paper takes
-  // the OR of all masks (Sec. III-G, decision 0003).
-  double max_num_independent_views = 4.0;
+  // Errors of views are not independent (same light, same growth). The mean log-odds of a cell is
+  // multiplied by its number of views, but at most by this number: then the posterior is as often
+  // right as it says on textures that the network has not seen (decision 0052). Differs: the paper
+  // takes the OR of all masks (Sec. III-G).
+  double max_num_independent_views = 2.0;
+  // The log-odds of neighbouring cells are averaged by a Gaussian with this deviation, because what
+  // grows is the same over more than a cell, and the network's noise is not. A cell that its own
+  // views call grass with less than min_smoothed_probability stays as it is: a road, a ditch.
+  double kind_smoothing_m = 2.0;
+  double min_smoothed_probability = 0.2;
   // A cell gets a class only if at least this share of the views that see it classify it. Canopy
   // and rubble get no class, because nearly every view leaves them unclassified.
   double min_vote_ratio = 0.2;
@@ -81,24 +87,9 @@ struct CoverOptions {
   // percentile of several stereo pairs. Its noise is 0.2 m, and the margin is 2.5 times that.
   double upper_margin_m = 0.5;
   // --- What looks like grass from above, but is not ---
-  // Least contrast of a rut. The contrast is the green of the plants beside the rut minus the green
-  // of the rut, as a share of the brightness. It is averaged over rut_filter_length_m. 0: no search
-  // for tracks, as in the paper.
-  double min_rut_contrast = 0.03;
-  double rut_filter_length_m = 8.0;
-  double min_track_length_m = 15.0;
-  // Distance between neighbouring tracks. Sprayers have working widths in this range. Mowers have
-  // smaller ones.
-  double min_working_width_m = 6.0;
-  double max_working_width_m = 42.0;
-  // Coarsest ground sampling distance at which ruts, rows and fences are visible. Coarser images
+  // Coarsest ground sampling distance at which rows and fences are visible. Coarser images
   // cause a warning.
   double max_telling_sampling_m = 0.35;
-  // Sprayed ground reaches half a working width from a track, plus this margin.
-  double sprayed_margin_m = 2.0;
-  // Largest difference in colour, in standard deviations, between the sprayed part of a field and
-  // the rest of it.
-  double max_field_color_deviations = 2.0;
   // Crops in rows cause a peak in the spectrum of the photograph. min_row_strength is the least
   // power of this peak, relative to the median power at the same spacing. Spacings from
   // min_row_spacing_m to max_row_spacing_m are searched. 0: no search.
@@ -106,19 +97,15 @@ struct CoverOptions {
   double min_row_spacing_m = 0.55;
   double max_row_spacing_m = 0.9;
   // Least fine detail of grass, as a share of its brightness. Green ground with less detail is
-  // water with algae. 0: no search.
+  // water with algae, unless the views are as sure of grass as max_still_water_posterior, or take
+  // it for something else than water if not for grass: a soft photograph shows little detail of
+  // grass, too. min_detail_ratio = 0: no search.
   double min_detail_ratio = 0.015;
+  double max_still_water_posterior = 0.95;
   // Grass counts as even up to these limits, which do not depend on the aircraft. Fences are
   // searched for on even grass.
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
-  // Image segments may extend across soft borders into other ground. Therefore two mean colours are
-  // measured within overreach_surroundings_m of a grass cell: the colour of grass, and the colour
-  // of other ground. If these colours differ by less than min_overreach_deviations deviations, the
-  // cell stays grass. Otherwise the cell loses its class if its colour is nearer to the colour of
-  // other ground. min_overreach_deviations = 0: no search.
-  double min_overreach_deviations = 2.0;
-  double overreach_surroundings_m = 30.0;
   // Boulders, animals and cars differ from their surroundings in colour or brightness. An object is
   // a patch of at least min_object_area_m2 that differs by min_object_deviations deviations. The
   // surroundings are a square of side object_surroundings_m. min_object_deviations = 0: no search.
@@ -143,14 +130,12 @@ struct CoverOptions {
   void Check() const;
 };
 
-// Fine mask of one view, in image coordinates. It is projected onto the map.
-struct GrassView {
+// What one view says of the ground, in image coordinates. It is projected onto the map.
+struct KindView {
   Rigid3d world_from_camera;
   // Camera of the full-size image.
   Camera camera;
-  // At working size: 0 = not classified (edges, dark, unsure), else 1 + round(254 * probability).
-  cv::Mat1b mask;
-  double image_px_per_mask_px = 1.0;
+  KindPicture picture;
 };
 
 // The ground seen from straight above. Each cell is taken from the view that looks down on it most
@@ -209,6 +194,9 @@ struct GroundCover {
   // where the orthophoto or the heights show a crop, water, a fence, an object or other ground. The
   // classes from the views do not count there.
   cv::Mat1f grass;
+  // The likeliest kind of each cell (LikelyKind); 0 where it is not told. A cell that a rule denies
+  // to be grass has another kind.
+  cv::Mat1b kind;
   OpenCover open;
   // Why. One size with grass.
   std::vector<CueLayer> cues;
@@ -217,7 +205,7 @@ struct GroundCover {
 // If the orthophoto is empty, nothing is searched for.
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
-                        const std::vector<GrassView>& grass_views,
+                        const std::vector<KindView>& kind_views,
                         const CoverOptions& options,
                         Orthophoto photo = {});
 

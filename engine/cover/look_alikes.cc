@@ -7,10 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/cover/crop_fields.h"
 #include "engine/cover/photo_bands.h"
 #include "engine/cover/photo_features.h"
-#include "engine/cover/wheel_tracks.h"
 #include "engine/geometry/geometry.h"
 
 namespace freelsd {
@@ -39,7 +37,7 @@ constexpr double kHaloM = 48.0;
 constexpr double kDetailM = 0.5;
 constexpr double kDetailSquareM = 6.0;
 // Avoids a division by zero: the mean is 0 where nothing is seen.
-constexpr double kNoWeight = 1e-6;
+constexpr double kLeastWeight = 1e-6;
 
 cv::Mat1f Brightness(const Orthophoto& photo) {
   cv::Mat1f brightness;
@@ -248,6 +246,20 @@ std::vector<Rows> RowsOfSquares(const Orthophoto& photo,
   return found;
 }
 
+// 255 where the views leave room for water.
+cv::Mat1b MayBeWater(const ToldKinds& told, const CoverOptions& options) {
+  cv::Mat1b may_be = ~cv::Mat1b(told.grass >= options.max_still_water_posterior);
+  std::transform(told.other.begin(),
+                 told.other.end(),
+                 may_be.begin(),
+                 may_be.begin(),
+                 [](uint8_t other, uint8_t unsure) {
+                   const bool is_water = LikelyKind::Unpack(other).kind == GroundKind::kWater;
+                   return is_water ? unsure : uint8_t{0};
+                 });
+  return may_be;
+}
+
 }  // namespace
 
 cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options) {
@@ -277,7 +289,7 @@ cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options) {
   // Averages seen cells only: edges of holes are no detail, and water has many holes.
   cv::GaussianBlur(brightness.mul(seen), coarse, {}, kDetailM / cell);
   cv::GaussianBlur(seen, weight, {}, kDetailM / cell);
-  const cv::Mat1f detail = (brightness - coarse / (weight + kNoWeight)).mul(seen);
+  const cv::Mat1f detail = (brightness - coarse / (weight + kLeastWeight)).mul(seen);
   const auto mean_of = [side = BoxSide(kDetailSquareM / cell)](const cv::Mat1f& values) {
     return BoxMean(values, side, BoxBorder::kMirrored);
   };
@@ -295,20 +307,19 @@ cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options) {
   return mask;
 }
 
-cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const CoverOptions& options) {
+cv::Mat1b FindLookAlikes(const Orthophoto& photo,
+                         const Grid& grid,
+                         const ToldKinds& told,
+                         const CoverOptions& options) {
   if (photo.image.empty()) return {};
-  cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
-  if (options.min_rut_contrast > 0.0) {
-    const cv::Mat1b sprayed = SprayedGround(FindWheelTracks(photo, options), grid, options);
-    found |= WithRestOfField(sprayed, photo, grid, options);
-  }
-  const auto find = [&](const PhotoBand& band) {
-    cv::Mat1b in_band = cv::Mat1b::zeros(band.photo.image.size());
-    if (options.min_row_strength > 0.0) in_band |= RowCrops(band.photo, options);
-    if (options.min_detail_ratio > 0.0) in_band |= StillWater(band.photo, options);
-    return in_band;
+  const auto find = [&](cv::Mat1b (*cue)(const Orthophoto&, const CoverOptions&)) {
+    const auto in_band = [&](const PhotoBand& band) { return cue(band.photo, options); };
+    return OnMap(FindInBands(photo, kHaloM, in_band), grid);
   };
-  return found | OnMap(FindInBands(photo, kHaloM, find), grid);
+  cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
+  if (options.min_row_strength > 0.0) found |= find(RowCrops);
+  if (options.min_detail_ratio > 0.0) found |= find(StillWater) & MayBeWater(told, options);
+  return found;
 }
 
 }  // namespace freelsd

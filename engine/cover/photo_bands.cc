@@ -11,8 +11,6 @@ namespace {
 // Cells of a band: an eighth of a square kilometre at 0.25 m. Some rules need 20 rasters of floats
 // for a band.
 constexpr int kMaxNumCells = 2000000;
-// Cells of a band of map rows, which has no halo yet.
-constexpr int kMaxNumCellsOfMapBand = 1000000;
 
 }  // namespace
 
@@ -47,18 +45,6 @@ cv::Mat1b FindInBands(const Orthophoto& photo,
     find(band).rowRange(own - band.photo_first_row).copyTo(found.rowRange(own));
   }
   return found;
-}
-
-std::vector<MapBand> MapBandsOf(const Orthophoto& photo, const Grid& grid) {
-  std::vector<MapBand> bands;
-  if (photo.image.empty()) return bands;
-  const int num_parts = photo.image.rows / grid.num_rows;
-  const int height = std::max(1, kMaxNumCellsOfMapBand / (photo.image.cols * num_parts));
-  for (int first = 0; first < grid.num_rows; first += height) {
-    const cv::Range rows(first, std::min(grid.num_rows, first + height));
-    bands.push_back({rows, {rows.start * num_parts, rows.end * num_parts}});
-  }
-  return bands;
 }
 
 cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid) {

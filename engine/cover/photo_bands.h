@@ -29,15 +29,6 @@ cv::Mat1b FindInBands(const Orthophoto& photo,
                       double halo_m,
                       const std::function<cv::Mat1b(const PhotoBand&)>& find);
 
-// Rows of map cells, and the rows of the orthophoto below them.
-struct MapBand {
-  cv::Range map_rows;
-  cv::Range photo_rows;
-};
-
-// From north to south. `grid` is the map's.
-std::vector<MapBand> MapBandsOf(const Orthophoto& photo, const Grid& grid);
-
 // One value per map cell: 255 if the cell contains a found cell of the orthophoto, else 0.
 cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid);
 

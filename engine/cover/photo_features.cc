@@ -6,16 +6,11 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/cover/photo_bands.h"
-
 namespace freelsd {
 namespace {
 
 // Avoids a division by zero: the mean is 0 where nothing is seen.
 constexpr double kNoWeight = 1e-6;
-// Deviation of the blur before colours are sampled on the map.
-constexpr double kBlurM = 1.0;
-constexpr float kMinSeenShare = 0.5f;
 
 }  // namespace
 
@@ -40,21 +35,6 @@ ColorPlanes BlurredColors(const cv::Mat3b& image, const cv::Mat1f& share, double
     plane = plane / (weight + kNoWeight);
   }
   return colors;
-}
-
-ColorsOnMap ColorsOfMap(const Orthophoto& photo, const Grid& grid) {
-  cv::Mat1f share(grid.num_rows, grid.num_cols);
-  cv::Mat3b cells(share.size());
-  for (const auto& [map_rows, photo_rows] : MapBandsOf(photo, grid)) {
-    cv::Mat1f seen;
-    cv::Mat seen_image, share_of_band = share.rowRange(map_rows);
-    cv::Mat cells_of_band = cells.rowRange(map_rows);
-    photo.seen.rowRange(photo_rows).convertTo(seen, CV_32F, 1.0 / 255.0);
-    photo.image.rowRange(photo_rows).copyTo(seen_image, photo.seen.rowRange(photo_rows));
-    cv::resize(seen, share_of_band, share_of_band.size(), 0.0, 0.0, cv::INTER_AREA);
-    cv::resize(seen_image, cells_of_band, cells_of_band.size(), 0.0, 0.0, cv::INTER_AREA);
-  }
-  return {BlurredColors(cells, share, kBlurM / grid.cell_size_m), share > kMinSeenShare};
 }
 
 cv::Mat1b WithoutSpecks(const cv::Mat1b& mask, double min_num_cells) {

@@ -12,21 +12,9 @@ namespace freelsd {
 // Greenness, red minus blue (both as shares of the brightness), log brightness.
 using ColorPlanes = std::array<cv::Mat1f, 3>;
 
-// Lower bound of each plane's standard deviation, because no ground is more even.
-inline constexpr std::array<float, 3> kLeastColorDeviation{0.006f, 0.006f, 0.02f};
-
 // Blurs seen pixels only. `share`: seen share of each pixel, 0..1. Unseen pixels of `image` must be
 // black.
 ColorPlanes BlurredColors(const cv::Mat3b& image, const cv::Mat1f& share, double blur_px);
-
-// Colours of the orthophoto, sampled at the map's cells after a Gaussian blur with sigma 1 m.
-struct ColorsOnMap {
-  ColorPlanes colors;
-  // 255 where more than half of the cell is seen, else 0.
-  cv::Mat1b is_seen;
-};
-
-ColorsOnMap ColorsOfMap(const Orthophoto& photo, const Grid& grid);
 
 // Removes connected patches smaller than min_num_cells.
 cv::Mat1b WithoutSpecks(const cv::Mat1b& mask, double min_num_cells);

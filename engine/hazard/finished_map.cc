@@ -80,6 +80,7 @@ AssessedMap WindowOf(const ElevationMap& map, const HazardLayers& layers, const 
            .slope = CopyOf(layers.slope, cells),
            .roughness = CopyOf(layers.roughness, cells),
            .grass = CopyOf(layers.grass, cells),
+           .kind = layers.kind.empty() ? cv::Mat1b() : layers.kind(cells).clone(),
            .hazard = layers.hazard(cells).clone(),
            .distance = CopyOf(layers.distance, cells),
            .min_clear_class_posterior = layers.min_clear_class_posterior,

@@ -78,6 +78,7 @@ AssessedMap AssessHazards(const ElevationMap& map,
   layers.slope = surface.slope;
   layers.roughness = surface.roughness;
   layers.grass = cover.grass;
+  layers.kind = cover.kind;
   AssessedMap finished = Rounded(WithCover(map, cover.open), layers);
   finished.layers = WithLimits(finished.map, finished.layers, limits, options);
   return finished;

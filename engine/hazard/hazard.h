@@ -35,8 +35,9 @@ struct HazardLayers {
   // Terrain ruggedness index (Riley): square root of the sum of squared height differences to the 8
   // neighbours, metres.
   cv::Mat1f roughness;
-  // As in GroundCover.
+  // As in GroundCover. `kind` is empty on maps that were stored before there were kinds.
   cv::Mat1f grass;
+  cv::Mat1b kind;
   // Hazard values.
   cv::Mat1b hazard;
   // Exact distance, metres, from the cell's centre to the nearest centre of a cell that is not

@@ -45,8 +45,6 @@ ClassificationOptions PaperClassification() {
   ClassificationOptions options;
   options.min_grass_probability = 0.5;
   options.max_not_grass_probability = 0.499;
-  options.min_mean_grey = 0.0;
-  options.max_mean_grey = 255.0;
   return options;
 }
 
@@ -91,10 +89,9 @@ CoverOptions PaperCover() {
   CoverOptions options;
   options.grass_fusion = GrassFusion::kPaperOr;
   options.min_vote_ratio = 0.0;
-  options.min_rut_contrast = 0.0;
+  options.kind_smoothing_m = 0.0;
   options.min_row_strength = 0.0;
   options.min_detail_ratio = 0.0;
-  options.min_overreach_deviations = 0.0;
   options.min_object_deviations = 0.0;
   options.min_fence_deviations = 0.0;
   options.max_telling_sampling_m = 10.0;

@@ -10,8 +10,8 @@
 
 #include "engine/adjustment/adjustment.h"
 #include "engine/approach/approach.h"
-#include "engine/classification/classification.h"
 #include "engine/flight/flight.h"
+#include "engine/ground_kind/ground_kind.h"
 #include "engine/hazard/hazard.h"
 #include "engine/obstacles/obstacles.h"
 #include "engine/regions/regions.h"
@@ -73,21 +73,6 @@ PipelineOptions PaperOptions();
 // limit on the risk.
 Aircraft PaperAircraft(Aircraft aircraft);
 
-// A view's grass mask. It is run-length encoded, because a flight keeps one per view.
-struct PackedMask {
-  // Consecutive pixels with the same value, in row-major order.
-  struct Run {
-    uint8_t value = 0;
-    uint32_t length = 0;
-  };
-  cv::Size size;
-  std::vector<Run> runs;
-  // As in GrassView.
-  double image_px_per_mask_px = 1.0;
-
-  cv::Mat1b Unpack() const;
-};
-
 // A region, and the wind at its centre.
 struct Candidate {
   Region region;
@@ -102,7 +87,7 @@ struct Snapshot {
   Rig rig;
   std::vector<View> views;
   // Same order as views.
-  std::vector<PackedMask> grass_masks;
+  std::vector<KindPicture> kinds;
   // Best first.
   std::vector<Candidate> regions;
   int min_num_observations = 2;
@@ -187,16 +172,11 @@ AdjustedBlock AdjustAndTie(const std::vector<View>& views,
                            const TracksOptions& tracks,
                            const AdjustmentOptions& options);
 
-// The fine mask of a view, with values as in GrassView. 0 outside segments and in unsure segments.
-cv::Mat1b GrassMask(const Segments& segments, const Labels& labels);
-
-PackedMask Packed(const cv::Mat1b& mask, double image_px_per_mask_px);
-
-// Masks of the connected views, with adjusted poses and camera. `indices[i]` is the index of the
-// block's view i in the snapshot.
-std::vector<GrassView> AdjustedGrassViews(const Snapshot& snapshot,
-                                          const std::vector<size_t>& indices,
-                                          const AdjustedBlock& block);
+// What the connected views say of the ground, with adjusted poses and camera. `indices[i]` is the
+// index of the block's view i in the snapshot.
+std::vector<KindView> AdjustedKindViews(const Snapshot& snapshot,
+                                        const std::vector<size_t>& indices,
+                                        const AdjustedBlock& block);
 
 // A finished map, and how many views saw each of its cells.
 struct MapOfSites {

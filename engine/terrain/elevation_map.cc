@@ -1,6 +1,8 @@
 #include <cmath>
 #include <limits>
 
+#include <opencv2/imgproc.hpp>
+
 #include "engine/check/check.h"
 #include "engine/terrain/cell_fusion.h"
 #include "engine/terrain/pair_summary.h"
@@ -40,6 +42,29 @@ void Write(const FusedCell& cell, int row, int col, ElevationMap& map) {
   map.upper(row, col) = std::max(static_cast<float>(cell.upper), map.elevation(row, col));
   map.standard_deviation(row, col) = static_cast<float>(cell.standard_deviation);
   map.num_points(row, col) = static_cast<float>(cell.num_points);
+}
+
+// Share of the step down to the lowest ground nearby in the deviation of a cell. Three deviations
+// cover the step.
+constexpr float kStepShare = 0.4f;
+
+// Matching and interpolation spread the height of what stands up over the ground beside it. Where a
+// cell stands higher than ground within reach of its points, it may truly be as low.
+void WidenAtSteps(const TerrainOptions& options, ElevationMap& map) {
+  const int reach = static_cast<int>(
+      std::max(1.0, std::round(options.interpolation_radius_m / map.grid.cell_size_m)));
+  cv::Mat1f lowest = map.elevation.clone();
+  lowest.setTo(std::numeric_limits<float>::infinity(), ~cv::Mat1b(lowest == lowest));
+  cv::erode(lowest, lowest, cv::Mat1b::ones(2 * reach + 1, 2 * reach + 1));
+  for (int row = 0; row < map.grid.num_rows; ++row) {
+    for (int col = 0; col < map.grid.num_cols; ++col) {
+      const float step = map.elevation(row, col) - lowest(row, col);
+      // NaN is not a step.
+      if (!(step > options.max_pair_disagreement_m)) continue;
+      float& deviation = map.standard_deviation(row, col);
+      deviation = std::hypot(deviation, kStepShare * step);
+    }
+  }
 }
 
 std::optional<WeightedSums> WithPoints(std::optional<WeightedSums> sums,
@@ -140,6 +165,7 @@ ElevationMap ElevationMapBuilder::Build() const {
       if (cell) Write(*cell, row, col, map);
     }
   }
+  if (!map.elevation.empty()) WidenAtSteps(state_->options, map);
   return map;
 }
 

@@ -190,7 +190,7 @@ bool Worker::ReplayNext() {
     EvaluationMark mark(
         service_.progress, EvaluationKind::kReplay, job.flight_id, job.id, num_frames);
     RunJob(job, [&](const Progress& progress) {
-      nlohmann::json replayed = ReplayFlight(service_, job.flight_id, classifiers_, progress);
+      nlohmann::json replayed = ReplayFlight(service_, job.flight_id, ground_models_, progress);
       mark.is_complete = true;
       return replayed;
     });

@@ -8,13 +8,13 @@
 
 namespace freelsd {
 
-FlightSession::FlightSession(const FlightRow& flight, const Classifiers& classifiers)
+FlightSession::FlightSession(const FlightRow& flight, const GroundModels& ground_models)
     : flight_id_(flight.id),
       request_(ParseStoredFlightRequest(flight.request_json)),
       rig_(ParseStoredFlightRig(flight.rig_json)),
-      model_digest_(classifiers.DigestFor(request_.options.preset)),
+      model_digest_(ground_models.DigestFor(request_.options.preset)),
       local_frame_(rig_.origin),
-      frontend_(rig_.rig, request_.options, classifiers.For(request_.options.preset)) {}
+      frontend_(rig_.rig, request_.options, ground_models.For(request_.options.preset)) {}
 
 FlightContext FlightSession::Context() const {
   return {flight_id_, request_.altitude_datum.value_or("unknown"), local_frame_};

@@ -20,18 +20,18 @@
 
 namespace freelsd {
 
-// The classifiers that flights use, by the preset of their options.
-struct Classifiers {
-  Classifier grass;
+// The models that flights use, by the preset of their options.
+struct GroundModels {
+  GroundModel kinds;
   // Of Preset::kPaper.
-  Classifier paper;
+  GroundModel paper;
   // SHA-256 of their files.
-  std::string grass_digest = {};
+  std::string kinds_digest = {};
   std::string paper_digest = {};
 
-  const Classifier& For(Preset preset) const { return preset == Preset::kPaper ? paper : grass; }
+  const GroundModel& For(Preset preset) const { return preset == Preset::kPaper ? paper : kinds; }
   const std::string& DigestFor(Preset preset) const {
-    return preset == Preset::kPaper ? paper_digest : grass_digest;
+    return preset == Preset::kPaper ? paper_digest : kinds_digest;
   }
 };
 
@@ -41,7 +41,7 @@ struct Classifiers {
 class FlightSession {
  public:
   // The flight's rig must be known.
-  FlightSession(const FlightRow& flight, const Classifiers& classifiers);
+  FlightSession(const FlightRow& flight, const GroundModels& ground_models);
 
   const FlightRequest& request() const { return request_; }
   const GeoPoint& origin() const { return rig_.origin; }

@@ -38,10 +38,10 @@ void TellOfFrame(Service& service, const FrameRow& frame) {
 
 }  // namespace
 
-Worker::Worker(Service& service, Classifiers classifiers)
+Worker::Worker(Service& service, GroundModels ground_models)
     : service_(service),
       config_(service.config),
-      classifiers_(std::move(classifiers)),
+      ground_models_(std::move(ground_models)),
       claims_(service.storage),
       open_flights_(service.storage, config_.max_num_open_flights),
       frontend_room_(config_.data, kIdlePeriod),
@@ -312,7 +312,7 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
     if (job.kind == "finish") last_finish = std::max(last_finish, flush_points.back());
   }
   if (!session || session->HasSettledBefore(last_finish)) {
-    session = std::make_shared<FlightSession>(flight, classifiers_);
+    session = std::make_shared<FlightSession>(flight, ground_models_);
   }
   for (const int64_t point : flush_points) {
     if (point >= last_finish) session->AddFlushPoint(point);

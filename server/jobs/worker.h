@@ -29,7 +29,7 @@ namespace freelsd {
 
 class Worker {
  public:
-  Worker(Service& service, Classifiers classifiers);
+  Worker(Service& service, GroundModels ground_models);
   // Requires that Stop returned true.
   ~Worker();
   Worker(const Worker&) = delete;
@@ -99,7 +99,7 @@ class Worker {
 
   Service& service_;
   const Config& config_;
-  Classifiers classifiers_;
+  GroundModels ground_models_;
   Claims claims_;
   OpenFlights open_flights_;
   std::atomic<bool> is_stopping_{false};

@@ -40,12 +40,6 @@ cv::Point InnermostPixel(const cv::Mat1b& mask) {
   return innermost - cv::Point(1, 1);
 }
 
-cv::Scalar ColourOf(const Labels& labels, size_t index) {
-  const Surface surface = index < labels.size() ? labels[index].surface : Surface::kNotGrass;
-  if (surface == Surface::kNotGrass) return {0, 0, 255};
-  return surface == Surface::kGrass ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 255, 255);
-}
-
 void DrawNumber(cv::Mat3b& sheet, int number, const cv::Point& at) {
   const std::string text = std::to_string(number);
   const cv::Point origin = at - cv::Point(6 * static_cast<int>(text.size()), -6);
@@ -81,7 +75,6 @@ std::string RegionRows(const LabelledPhotograph& photograph, const Segments& seg
 
 cv::Mat3b RegionSheet(const LabelledPhotograph& photograph,
                       const Segments& segments,
-                      const Labels& labels,
                       int width_px) {
   const double scale = static_cast<double>(width_px) / photograph.image.cols;
   const double sheet_px_per_working_px = scale * segments.image_px_per_working_px;
@@ -92,8 +85,7 @@ cv::Mat3b RegionSheet(const LabelledPhotograph& photograph,
     cv::resize(segments.labels == segment.label, mask, sheet.size(), 0.0, 0.0, cv::INTER_NEAREST);
     std::vector<Ring> rings;
     cv::findContours(mask, rings, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
-    const auto index = static_cast<size_t>(segment.label - 1);
-    cv::drawContours(sheet, rings, -1, ColourOf(labels, index), labels.empty() ? 1 : 2);
+    cv::drawContours(sheet, rings, -1, {0, 0, 255});
   }
   for (const Segment& segment : segments.segments) {
     const cv::Point at = InnermostPixel(segments.labels == segment.label);

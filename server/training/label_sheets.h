@@ -17,12 +17,7 @@ constexpr const char* kLabelTableHeader = "photograph,region,class,rings";
 // The rows of one photograph's regions, all with class 0.
 std::string RegionRows(const LabelledPhotograph& photograph, const Segments& segments);
 
-// The photograph with outlined regions, width_px wide. `labels` is empty or has one label per
-// region. Outlines are green for grass, yellow for unsure, and red for other regions. Without
-// labels, all outlines are red.
-cv::Mat3b RegionSheet(const LabelledPhotograph& photograph,
-                      const Segments& segments,
-                      const Labels& labels,
-                      int width_px);
+// The photograph with regions outlined in red, width_px wide.
+cv::Mat3b RegionSheet(const LabelledPhotograph& photograph, const Segments& segments, int width_px);
 
 }  // namespace freelsd

@@ -2,10 +2,19 @@
 
 #include <utility>
 
+#include <opencv2/imgproc.hpp>
+
+#include "server/training/labelled_regions.h"
+
 namespace freelsd {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// A region has the class of its majority if at least this share of its pixels is labelled.
+constexpr double kMinLabelledRatio = 0.3;
+// Smaller than the pipeline's least area, because small regions are useful samples too.
+constexpr double kMinTrainingAreaM2 = 30.0;
 
 // A set of features, and its columns within paper18.
 struct Columns {
@@ -35,38 +44,49 @@ Json ScoresOf(const Report& report) {
           {"leave_one_place_out_auc", report.leave_one_place_out_auc}};
 }
 
+// One sample for each region labelled as grass or not grass.
+std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions,
+                                          const std::string& place) {
+  const Segments& segments = regions.segments;
+  std::vector<TrainingSample> samples;
+  for (size_t i = 0; i < regions.classes.size(); ++i) {
+    if (!TellsGrass(regions.classes[i])) continue;
+    cv::Mat1b inside;
+    cv::resize(segments.labels == segments.segments[i].label,
+               inside,
+               segments.detail_image.size(),
+               0,
+               0,
+               cv::INTER_NEAREST);
+    samples.push_back({RegionFeatures(segments.detail_image, inside, FeatureSet::kPaper18),
+                       regions.classes[i] == kGrassClass,
+                       place});
+  }
+  return samples;
+}
+
 }  // namespace
 
 std::vector<TrainingSample> PaperSamples(const Photographs& photographs) {
-  constexpr double kMinLabelledRatio = 0.3;  // as in SamplesOf
+  SegmentationOptions options;
+  options.min_region_area_m2 = kMinTrainingAreaM2;
   std::vector<TrainingSample> samples;
   for (const LabelledPhotograph& photograph : photographs) {
-    const LabelledRegions regions = CutVaried(photograph, Variation{}, kMinLabelledRatio);
-    for (TrainingSample& sample : RegionSamples(regions, FeatureSet::kPaper18)) {
-      sample.place = photograph.place;
+    const LabelledRegions regions = CutPhotograph(photograph, options, kMinLabelledRatio);
+    for (TrainingSample& sample : RegionSamples(regions, photograph.place)) {
       samples.push_back(std::move(sample));
     }
   }
   return samples;
 }
 
-TrainingOptions PaperTraining(FeatureSet feature_set, int seed) {
-  TrainingOptions options;
-  options.form = TrainingForm::kPublished;
-  options.feature_set = feature_set;
-  options.max_depths = {2, 4, 6, 8, 12, 16};
-  options.min_samples_per_branch = {2, 5, 10, 20, 40};
-  options.num_trees = 31;  // odd: every vote has a majority
-  options.seed = seed;
-  return options;
-}
-
 Json PaperScores(const std::vector<TrainingSample>& samples, int seed) {
   Json scores;
   for (const Columns& columns : kColumns) {
-    const TrainingReport report =
-        TrainClassifier(Part(samples, columns), "", PaperTraining(columns.feature_set, seed))
-            .second;
+    TrainingOptions options;
+    options.feature_set = columns.feature_set;
+    options.seed = seed;
+    const TrainingReport report = TrainClassifier(Part(samples, columns), "", options).second;
     Json& forest = scores["forest " + NameOf(columns.feature_set)];
     forest = ScoresOf(report);
     forest["max_depth"] = report.max_depth;

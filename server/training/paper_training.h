@@ -7,15 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/training/training_data.h"
+#include "server/training/labelled_photographs.h"
 
 namespace freelsd {
 
-// The regions of all photographs with their 18 features: no tiles and no varied copies.
+// The regions of all photographs with their 18 features.
 std::vector<TrainingSample> PaperSamples(const Photographs& photographs);
-
-// How the forests of the paper are chosen.
-TrainingOptions PaperTraining(FeatureSet feature_set, int seed);
 
 // Errors and areas under the ROC curve, by ten random folds and with each place left out: forests
 // on rgb, hsv, rgbhsv and paper18, and the perceptron on paper18. `samples` have paper18 features.

@@ -26,6 +26,11 @@ Pool PoolNamed(const std::string& name) {
   throw std::invalid_argument("no pool is named " + name);
 }
 
+int FoldNumbered(const std::string& text) {
+  if (text.size() == 1 && text[0] >= '0' && text[0] <= '4') return text[0] - '0';
+  throw std::invalid_argument("no fold is numbered " + text);
+}
+
 }  // namespace
 
 const char* NameOf(Pool pool) { return pool == Pool::kTuning ? "tuning" : "report"; }
@@ -42,7 +47,11 @@ Pools Pools::Read(const std::string& path) {
     std::getline(cells, name, ',');
     std::getline(cells, pool);
     try {
-      pools.Add(kind, name, PoolNamed(pool));
+      if (kind == "fold") {
+        pools.folds_[name] = FoldNumbered(pool);
+      } else {
+        pools.Add(kind, name, PoolNamed(pool));
+      }
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(path + ": cannot understand the line '" + line +
                                "': " + error.what());
@@ -69,6 +78,11 @@ void Pools::Add(const std::string& kind, const std::string& name, Pool pool) {
 std::optional<Pool> Pools::Of(const std::string& kind, const std::string& name) const {
   const auto found = pools_.find({kind, name});
   return found == pools_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<int> Pools::FoldOf(const std::string& name) const {
+  const auto found = folds_.find(name);
+  return found == folds_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::optional<Pool> Pools::OfSeed(uint64_t seed) const {

@@ -17,12 +17,16 @@ const char* NameOf(Pool pool);  // "tuning", "report"
 class Pools {
  public:
   // Reads lines `kind,name,pool`. The name of the kind "seeds" is a range, FIRST..LAST or FIRST..
+  // A line of the kind "fold" has a number from 0 to 4 in place of the pool.
   // Throws std::runtime_error that names the file and the line that cannot be read.
   static Pools Read(const std::string& path);
 
   // Empty if the table does not name it: data of the user's own.
   std::optional<Pool> Of(const std::string& kind, const std::string& name) const;
   std::optional<Pool> OfSeed(uint64_t seed) const;
+  // Of flights and places: the number of the model that learned from all places but those of its
+  // fold. Empty if the table does not say.
+  std::optional<int> FoldOf(const std::string& name) const;
   // In alphabetical order.
   std::vector<std::string> NamesOf(const std::string& kind, Pool pool) const;
 
@@ -36,6 +40,7 @@ class Pools {
 
   std::map<std::pair<std::string, std::string>, Pool> pools_;
   std::vector<SeedRange> seeds_;
+  std::map<std::string, int> folds_;
 };
 
 // The pool of everything that one run uses. Throws std::invalid_argument if a second pool is added:

@@ -1,5 +1,5 @@
-// freelsd-train: trains the grass classifier on labelled photographs, evaluates a model, measures
-// the segmentation, and draws sheets for labelling.
+// freelsd-train: trains the paper's classifier on labelled photographs, measures the segmentation,
+// and draws sheets for labelling.
 
 #include <algorithm>
 #include <cstdio>
@@ -8,7 +8,6 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -18,24 +17,17 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/pipeline.h"
-#include "server/training/curve_plots.h"
 #include "server/training/label_sheets.h"
 #include "server/training/paper_training.h"
 #include "server/training/pools.h"
-#include "server/training/training_data.h"
-#include "server/training/training_scores.h"
+#include "server/training/segmentation_scores.h"
 
 namespace freelsd {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Varied copies of every photograph in the training set.
-constexpr int kNumCopies = 3;
 constexpr int kSheetWidthPx = 1000;
-// A veil of haze: what is left of the light from the ground, and what the air adds, grey levels.
-constexpr double kHazeKeptRatio = 0.75;
-constexpr double kHazeGrey = 45.0;
 
 // Default paths are relative to the repository's root.
 struct Arguments {
@@ -43,24 +35,12 @@ struct Arguments {
   std::string flights;
   std::string flight;
   std::string labels = "tests/evaluation/labels";
-  std::string out = "grass_model.yml";
-  std::string model = "engine/classification/grass_model.yml";
+  std::string out;
   std::string cameras = "tests/evaluation/grass_cameras.csv";
   std::string pools = "tests/evaluation/pools.csv";
-  std::string features = "robust";
-  std::string plots;
   double min_area_m2 = 30.0;
-  bool is_classified = false;
   int seed = 1;
 };
-
-std::string ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot read " + path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 void WriteFile(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
@@ -92,21 +72,12 @@ Photographs ReadPhotographs(const Arguments& arguments) {
   return photographs;
 }
 
-Json ReportAsJson(const TrainingReport& report) {
-  return {{"max_depth", report.max_depth},
-          {"min_samples_per_branch", report.min_samples_per_branch},
-          {"random_fold_error", report.random_fold_error_ratio},
-          {"leave_one_place_out_error", report.leave_one_place_out_error_ratio},
-          {"leave_one_place_out_auc", report.leave_one_place_out_auc}};
-}
-
-std::string Provenance(const Arguments& arguments, const std::string& samples, const char* page) {
-  return "Random forest for grass or not, features " + arguments.features + ", seed " +
-         std::to_string(arguments.seed) + ", " + samples +
-         " of labelled photographs of Swindale (vesnikos and supervisor, "
+std::string Provenance(int seed, size_t num_samples) {
+  return "Random forest for grass or not, features " + NameOf(FeatureSet::kPaper18) + ", seed " +
+         std::to_string(seed) + ", " + std::to_string(num_samples) +
+         " regions of labelled photographs of Swindale (vesnikos and supervisor, "
          "acknowledged as asked), Garfield Park (CC0 1.0), Brighton Beach (BSD 2-Clause, (c) 2017 "
-         "Piero Toffanin). How it was made and what it scores: " +
-         page + ".";
+         "Piero Toffanin). How it was made and what it scores: paper_model.md.";
 }
 
 // Throws std::invalid_argument if they must not train a model.
@@ -118,50 +89,11 @@ Photographs ReadTrainingPhotographs(const Arguments& arguments) {
   return photographs;
 }
 
-Photographs InHaze(Photographs photographs) {
-  for (LabelledPhotograph& photograph : photographs) {
-    photograph.image.convertTo(photograph.image, CV_8U, kHazeKeptRatio, kHazeGrey);
-  }
-  return photographs;
-}
-
-int Train(const Arguments& arguments) {
-  const std::optional<FeatureSet> feature_set = FeatureSetNamed(arguments.features);
-  if (!feature_set) throw std::runtime_error("unknown feature set " + arguments.features);
-  Photographs photographs = ReadTrainingPhotographs(arguments);
-  const std::vector<TrainingSample> samples =
-      SamplesOf(photographs, *feature_set, kNumCopies, arguments.seed);
-  const auto num_originals = static_cast<size_t>(std::count_if(
-      samples.begin(), samples.end(), [](const auto& sample) { return !sample.is_augmented; }));
-  TrainingOptions options;
-  options.feature_set = *feature_set;
-  options.seed = arguments.seed;
-  const std::string provenance = Provenance(
-      arguments, std::to_string(num_originals) + " regions and 10 m tiles", "grass_model.md");
-  const auto [classifier, report] = TrainClassifier(samples, provenance, options);
-  WriteFile(arguments.out, classifier.Serialize());
-  const std::vector<Answer> unseen = AnswersOfUnseenPlaces(photographs, samples, options);
-  if (!arguments.plots.empty()) WriteFile(arguments.plots, CurvePlots(unseen));
-  const std::vector<Answer> in_haze =
-      AnswersOfUnseenPlaces(InHaze(std::move(photographs)), samples, options);
-  const Json figures{{"model", arguments.out},
-                     {"features", arguments.features},
-                     {"num_samples", num_originals},
-                     {"num_augmented", samples.size() - num_originals},
-                     {"samples", ReportAsJson(report)},
-                     {"regions_of_unseen_places", ScoresByPlace(unseen)},
-                     {"regions_of_unseen_places_in_haze", ScoresByPlace(in_haze)},
-                     {"false_grass_at_unseen_places", FalseGrass(unseen)}};
-  std::cout << figures.dump(2) << "\n";
-  return 0;
-}
-
-int TrainAsPublished(Arguments arguments) {
-  arguments.features = NameOf(FeatureSet::kPaper18);
+int TrainAsPublished(const Arguments& arguments) {
   const std::vector<TrainingSample> samples = PaperSamples(ReadTrainingPhotographs(arguments));
-  const std::string provenance =
-      Provenance(arguments, std::to_string(samples.size()) + " regions", "paper_model.md");
-  const TrainingOptions options = PaperTraining(FeatureSet::kPaper18, arguments.seed);
+  const std::string provenance = Provenance(arguments.seed, samples.size());
+  TrainingOptions options;
+  options.seed = arguments.seed;
   WriteFile(arguments.out, TrainClassifier(samples, provenance, options).first.Serialize());
   const auto num_grass = std::count_if(
       samples.begin(), samples.end(), [](const TrainingSample& sample) { return sample.is_grass; });
@@ -170,15 +102,6 @@ int TrainAsPublished(Arguments arguments) {
                      {"num_grass", num_grass},
                      {"scores", PaperScores(samples, arguments.seed)}};
   std::cout << figures.dump(2) << "\n";
-  return 0;
-}
-
-int Evaluate(const Arguments& arguments) {
-  const Classifier classifier = Classifier::Parse(ReadFile(arguments.model));
-  const std::vector<Answer> answers = AnswersOf(ReadPhotographs(arguments), classifier);
-  Json scores = Scores(answers);
-  scores["false_grass_regions"] = FalseGrass(answers);
-  std::cout << scores.dump(2) << "\n";
   return 0;
 }
 
@@ -199,17 +122,13 @@ int DrawSheets(const Arguments& arguments) {
   table << kLabelTableHeader << "\n";
   SegmentationOptions options;
   options.min_region_area_m2 = arguments.min_area_m2;
-  std::optional<Classifier> classifier;
-  if (arguments.is_classified) classifier = Classifier::Parse(ReadFile(arguments.model));
   for (const auto& path : FlightPaths(arguments.flights, arguments.flight)) {
     const LabelledPhotograph photograph = ReadFlightPhotograph(path, arguments.flight, cameras);
     const Segments segments =
         SegmentFrame(photograph.image, photograph.camera, photograph.height_above_ground, options);
     table << RegionRows(photograph, segments);
     const std::string sheet = arguments.out + "/" + photograph.name + ".png";
-    const Labels labels =
-        classifier ? ClassifySegments(segments, *classifier, ClassificationOptions{}) : Labels{};
-    if (!cv::imwrite(sheet, RegionSheet(photograph, segments, labels, kSheetWidthPx))) {
+    if (!cv::imwrite(sheet, RegionSheet(photograph, segments, kSheetWidthPx))) {
       throw std::runtime_error("cannot write " + sheet);
     }
   }
@@ -229,23 +148,13 @@ void AddPhotographOptions(CLI::App& command, Arguments& arguments) {
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("Trains the grass classifier of freelsd. Subcommands do the rest.");
+  CLI::App app("Trains the paper's grass classifier, and helps to label photographs.");
+  app.require_subcommand(1);
   Arguments arguments;
-  AddPhotographOptions(app, arguments);
-  app.add_option("--out", arguments.out, "Model file to write")->capture_default_str();
-  app.add_option(
-         "--features", arguments.features, "Feature set: rgb, hsv, rgbhsv, paper18 or robust")
-      ->capture_default_str();
-  app.add_option(
-      "--plots", arguments.plots, "SVG file to write: ROC and precision-recall at unseen places");
-  app.add_option("--seed", arguments.seed, "Seed of the forest")->capture_default_str();
   CLI::App* paper = app.add_subcommand("paper", "Trains and validates the paper's classifiers");
   AddPhotographOptions(*paper, arguments);
   paper->add_option("--out", arguments.out, "Model file to write")->required();
   paper->add_option("--seed", arguments.seed, "Seed of folds and models")->capture_default_str();
-  CLI::App* evaluate = app.add_subcommand("evaluate", "Prints a model's scores on regions");
-  AddPhotographOptions(*evaluate, arguments);
-  evaluate->add_option("--model", arguments.model, "Model file")->capture_default_str();
   CLI::App* segmentation =
       app.add_subcommand("segmentation", "Prints how regions cover the labelled grass");
   AddPhotographOptions(*segmentation, arguments);
@@ -255,15 +164,10 @@ int Run(int argc, char** argv) {
   sheets->add_option("--out", arguments.out, "Folder for the sheets and the table")->required();
   sheets->add_option("--min-area", arguments.min_area_m2, "Least area of a region, square metres")
       ->capture_default_str();
-  sheets->add_flag(
-      "--classify", arguments.is_classified, "Colour the regions by their class from --model");
-  sheets->add_option("--model", arguments.model, "Model file")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   if (paper->parsed()) return TrainAsPublished(arguments);
-  if (evaluate->parsed()) return Evaluate(arguments);
   if (segmentation->parsed()) return MeasureSegmentation(arguments);
-  if (sheets->parsed()) return DrawSheets(arguments);
-  return Train(arguments);
+  return DrawSheets(arguments);
 }
 
 }  // namespace

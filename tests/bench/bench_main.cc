@@ -22,18 +22,10 @@ using Json = nlohmann::json;
 struct Arguments {
   std::string filter;
   std::string json;
-  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+  std::string model = FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx";
   int num_runs = 20;
   int num_threads = 1;
 };
-
-std::string ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot read " + path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 Json JsonOf(const Row& row) {
   Json json{{"name", row.name},
@@ -76,12 +68,11 @@ void PrintRow(const Row& row) {
 
 void Run(const Arguments& arguments) {
   cv::setNumThreads(arguments.num_threads);
-  const std::string model_text = ReadFile(arguments.model);
-  std::vector<Entry> entries = FrontendEntries(model_text);
-  for (Entry& entry : ReconstructionEntries(model_text)) entries.push_back(std::move(entry));
+  std::vector<Entry> entries = FrontendEntries(arguments.model);
+  for (Entry& entry : ReconstructionEntries(arguments.model)) entries.push_back(std::move(entry));
   for (Entry& entry : MapEntries()) entries.push_back(std::move(entry));
   for (Entry& entry : ReachEntries()) entries.push_back(std::move(entry));
-  for (Entry& entry : KernelEntries(model_text)) entries.push_back(std::move(entry));
+  for (Entry& entry : KernelEntries(arguments.model)) entries.push_back(std::move(entry));
   std::printf("%-18s %-28s %9s %9s %9s %9s  plain / engine, processor time\n",
               "milliseconds",
               "",
@@ -113,7 +104,7 @@ int main(int argc, char** argv) {
     CLI::App app("Measures the engine's stages. Median of the runs, in milliseconds.");
     app.add_option("--filter", arguments.filter, "stages whose name holds this");
     app.add_option("--json", arguments.json, "file for the rows");
-    app.add_option("--model", arguments.model, "grass classifier");
+    app.add_option("--model", arguments.model, "network of ground kinds");
     app.add_option("--runs", arguments.num_runs, "runs of each")->check(CLI::Range(20, 10000));
     app.add_option("--threads", arguments.num_threads, "threads of OpenCV")
         ->check(CLI::Range(1, 64));

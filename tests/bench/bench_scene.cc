@@ -22,7 +22,7 @@ Frame MakeFrame(const SyntheticExposure& exposure, const cv::Mat& image) {
   return frame;
 }
 
-BenchScene MakeScene(const std::string& model_text) {
+BenchScene MakeScene(const std::string& model_file) {
   WorldOptions world_options;
   world_options.size_m = 400.0;
   world_options.cell_size_m = 0.2;
@@ -41,7 +41,7 @@ BenchScene MakeScene(const std::string& model_text) {
     scene.frames.push_back(MakeFrame(
         exposure, renderer.Render(scene.rig.camera, world_from_camera, RenderOptions{}, index++)));
   }
-  Frontend frontend(scene.rig, scene.options, Classifier::Parse(model_text));
+  Frontend frontend(scene.rig, scene.options, ReadGroundModel(model_file).model);
   for (const Frame& frame : scene.frames) frontend.Process(frame);
   frontend.Flush();
   scene.snapshot = frontend.TakeSnapshot();
@@ -54,8 +54,8 @@ BenchScene MakeScene(const std::string& model_text) {
 
 }  // namespace
 
-const BenchScene& Scene(const std::string& model_text) {
-  static const BenchScene kScene = MakeScene(model_text);
+const BenchScene& Scene(const std::string& model_file) {
+  static const BenchScene kScene = MakeScene(model_file);
   return kScene;
 }
 

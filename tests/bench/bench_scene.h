@@ -28,7 +28,7 @@ struct BenchScene {
 constexpr int kNumFramesOfLeg = 6;
 // Made once, at the first call. Height above ground of its frames, metres:
 constexpr double kBenchHeightM = 100.0;
-const BenchScene& Scene(const std::string& model_text);
+const BenchScene& Scene(const std::string& model_file);
 
 std::string SizeOf(const cv::Mat& image);
 

@@ -51,10 +51,10 @@ Row Measure(const Contest& contest, int num_runs, int threads);
 // Keeps the compiler from leaving out what is measured.
 void Consume(double value);
 
-std::vector<Entry> FrontendEntries(const std::string& model_text);
-std::vector<Entry> ReconstructionEntries(const std::string& model_text);
+std::vector<Entry> FrontendEntries(const std::string& model_file);
+std::vector<Entry> ReconstructionEntries(const std::string& model_file);
 std::vector<Entry> MapEntries();
 std::vector<Entry> ReachEntries();
-std::vector<Entry> KernelEntries(const std::string& model_text);
+std::vector<Entry> KernelEntries(const std::string& model_file);
 
 }  // namespace freelsd

@@ -81,17 +81,17 @@ Contest Segmentation(const BenchScene& scene) {
           [image] { Consume(PlainSegments(image)(0, 0)); }};
 }
 
-Contest Classification(const BenchScene& scene, const std::string& model_text) {
-  const Classifier classifier = Classifier::Parse(model_text);
-  const Segments segments = SegmentsOf(scene, 5);
+std::shared_ptr<KindNetwork> NetworkIn(const std::string& model_file) {
+  return std::make_shared<KindNetwork>(std::get<KindModel>(ReadGroundModel(model_file).model));
+}
+
+Contest Kinds(const BenchScene& scene, const std::string& model_file) {
+  const auto network = NetworkIn(model_file);
   const cv::Mat image = scene.frames[5].image;
-  return {"classification",
+  const double sampling_m = kBenchHeightM / scene.rig.camera.MeanFocalPx();
+  return {"ground_kind",
           SizeOf(image),
-          [=, &scene] {
-            Consume(ClassifySegments(segments, classifier, scene.options.classification)
-                        .front()
-                        .probability);
-          },
+          [=] { Consume(network->Tell(image, sampling_m).grass(0, 0)); },
           "12 Gabor filters of 9x9 and both colour spaces, whole image",
           [image] { Consume(PlainFeatures(image)); }};
 }
@@ -104,10 +104,8 @@ Contest PaperFeatures(const BenchScene& scene) {
           SizeOf(image),
           [segments] {
             for (const Segment& segment : segments.segments) {
-              Consume(RegionFeatures(segments.image,
-                                     segments.labels == segment.label,
-                                     segments.ground_sampling_distance_m,
-                                     FeatureSet::kPaper18)
+              Consume(RegionFeatures(
+                          segments.image, segments.labels == segment.label, FeatureSet::kPaper18)
                           .front());
             }
           },
@@ -188,15 +186,18 @@ Contest MatchDescriptorsOfSurvey(const BenchScene& scene) {
 }
 
 // Per frame, with what the frontend has made of the earlier ones.
-Contest ManageRegions(const BenchScene& scene, const std::string& model_text) {
+Contest ManageRegions(const BenchScene& scene, const std::string& model_file) {
   const auto tracks = std::make_shared<Tracks>(scene.rig, scene.options.tracks);
-  const Classifier classifier = Classifier::Parse(model_text);
+  const auto network = NetworkIn(model_file);
+  const double sampling_m = kBenchHeightM / scene.rig.camera.MeanFocalPx();
   std::vector<Segments> segments;
   std::vector<Labels> labels;
   for (size_t i = 0; i < scene.frames.size(); ++i) {
     tracks->Add(scene.frames[i]);
     segments.push_back(SegmentsOf(scene, i));
-    labels.push_back(ClassifySegments(segments[i], classifier, scene.options.classification));
+    labels.push_back(LabelsOf(segments[i],
+                              network->Tell(scene.frames[i].image, sampling_m),
+                              scene.options.classification));
   }
   tracks->Flush();
   const size_t num_views = tracks->views().size();
@@ -214,14 +215,14 @@ Contest ManageRegions(const BenchScene& scene, const std::string& model_text) {
           static_cast<double>(num_views)};
 }
 
-Contest WholeFrontend(const BenchScene& scene, const std::string& model_text) {
-  const Classifier classifier = Classifier::Parse(model_text);
+Contest WholeFrontend(const BenchScene& scene, const std::string& model_file) {
+  const GroundModel ground_model = ReadGroundModel(model_file).model;
   const std::vector<Frame> leg = FramesOfLeg(scene);
   const int num_corners = scene.options.tracks.max_num_corners;
   return {"frontend",
           SizeOf(scene.frames.front().image),
           [=, &scene] {
-            Frontend frontend(scene.rig, scene.options, classifier);
+            Frontend frontend(scene.rig, scene.options, ground_model);
             for (const Frame& frame : leg) frontend.Process(frame);
             Consume(static_cast<double>(frontend.RankedRegions().size()));
           },
@@ -238,14 +239,14 @@ Contest WholeFrontend(const BenchScene& scene, const std::string& model_text) {
 }
 
 // Survey photographs, whose poses are refined as they arrive.
-Contest SurveyFrontend(const BenchScene& scene, const std::string& model_text) {
-  const Classifier classifier = Classifier::Parse(model_text);
+Contest SurveyFrontend(const BenchScene& scene, const std::string& model_file) {
+  const GroundModel ground_model = ReadGroundModel(model_file).model;
   PipelineOptions options = scene.options;
   options.tracks.max_klt_flow_ratio = 0.0;
   return {"survey_frontend",
           SizeOf(scene.frames.front().image),
           [=, &scene, frames = FramesInFlight(scene)] {
-            Frontend frontend(scene.rig, options, classifier);
+            Frontend frontend(scene.rig, options, ground_model);
             for (const Frame& frame : frames) frontend.Process(frame);
             Consume(static_cast<double>(frontend.RankedRegions().size()));
           },
@@ -256,8 +257,8 @@ Contest SurveyFrontend(const BenchScene& scene, const std::string& model_text) {
 
 // A photograph of 12 megapixels from its JPEG to labelled regions; joining it with others is the
 // row of descriptors.
-Contest Photograph(const BenchScene& scene, const std::string& model_text) {
-  const Classifier classifier = Classifier::Parse(model_text);
+Contest Photograph(const BenchScene& scene, const std::string& model_file) {
+  const auto network = NetworkIn(model_file);
   constexpr int kWidthPx = 4000;
   const double scale = static_cast<double>(kWidthPx) / scene.rig.camera.width_px;
   const Camera camera = scene.rig.camera.Scaled(scale);
@@ -276,8 +277,9 @@ Contest Photograph(const BenchScene& scene, const std::string& model_text) {
             const cv::Mat image = cv::imdecode(jpeg, cv::IMREAD_COLOR);
             const Segments segments =
                 SegmentFrame(image, camera, kBenchHeightM, scene.options.segmentation);
+            const KindPicture kinds = network->Tell(image, kBenchHeightM / camera.MeanFocalPx());
             Consume(static_cast<double>(
-                ClassifySegments(segments, classifier, scene.options.classification).size()));
+                LabelsOf(segments, kinds, scene.options.classification).size()));
           },
           "imdecode alone",
           [jpeg] { Consume(cv::imdecode(jpeg, cv::IMREAD_COLOR).rows); }};
@@ -285,17 +287,17 @@ Contest Photograph(const BenchScene& scene, const std::string& model_text) {
 
 }  // namespace
 
-std::vector<Entry> FrontendEntries(const std::string& model_text) {
+std::vector<Entry> FrontendEntries(const std::string& model_file) {
   return {
-      {"segmentation", [=] { return Segmentation(Scene(model_text)); }},
-      {"classification", [=] { return Classification(Scene(model_text), model_text); }},
-      {"features_paper18", [=] { return PaperFeatures(Scene(model_text)); }},
-      {"tracks", [=] { return FollowTracks(Scene(model_text)); }},
-      {"descriptors", [=] { return MatchDescriptorsOfSurvey(Scene(model_text)); }},
-      {"region_manager", [=] { return ManageRegions(Scene(model_text), model_text); }},
-      {"frontend", [=] { return WholeFrontend(Scene(model_text), model_text); }},
-      {"survey_frontend", [=] { return SurveyFrontend(Scene(model_text), model_text); }},
-      {"photograph", [=] { return Photograph(Scene(model_text), model_text); }},
+      {"segmentation", [=] { return Segmentation(Scene(model_file)); }},
+      {"ground_kind", [=] { return Kinds(Scene(model_file), model_file); }},
+      {"features_paper18", [=] { return PaperFeatures(Scene(model_file)); }},
+      {"tracks", [=] { return FollowTracks(Scene(model_file)); }},
+      {"descriptors", [=] { return MatchDescriptorsOfSurvey(Scene(model_file)); }},
+      {"region_manager", [=] { return ManageRegions(Scene(model_file), model_file); }},
+      {"frontend", [=] { return WholeFrontend(Scene(model_file), model_file); }},
+      {"survey_frontend", [=] { return SurveyFrontend(Scene(model_file), model_file); }},
+      {"photograph", [=] { return Photograph(Scene(model_file), model_file); }},
   };
 }
 

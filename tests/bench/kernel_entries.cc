@@ -119,19 +119,19 @@ Contest SemiGlobalMatching(const BenchScene& scene) {
 
 }  // namespace
 
-std::vector<Entry> KernelEntries(const std::string& model_text) {
+std::vector<Entry> KernelEntries(const std::string& model_file) {
   return {
-      {"kernel_corners", [=] { return Corners(Scene(model_text)); }},
+      {"kernel_corners", [=] { return Corners(Scene(model_file)); }},
       {"kernel_area_resize",
        [=] {
-         return AreaResize(Scene(model_text), {538, 344});
+         return AreaResize(Scene(model_file), {538, 344});
        }},
       {"kernel_area_resize",
        [=] {
-         return AreaResize(Scene(model_text), {269, 172});
+         return AreaResize(Scene(model_file), {269, 172});
        }},
-      {"kernel_edge_distance", [=] { return EdgeDistance(Scene(model_text)); }},
-      {"kernel_semi_global", [=] { return SemiGlobalMatching(Scene(model_text)); }},
+      {"kernel_edge_distance", [=] { return EdgeDistance(Scene(model_file)); }},
+      {"kernel_semi_global", [=] { return SemiGlobalMatching(Scene(model_file)); }},
   };
 }
 

@@ -99,15 +99,15 @@ Contest Elevation(const std::string& name, HeightFusion fusion) {
 ElevationMap PaperMap() { return MapOf(PaperPoints(), HeightFusion::kRobust); }
 
 // One camera straight above that calls everything grass but a block in one corner.
-std::vector<GrassView> GrassFromAbove(int num_views) {
-  GrassView view;
+std::vector<KindView> GrassFromAbove(int num_views) {
+  KindView view;
   view.world_from_camera = {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {0.0, 0.0, 300.0}};
   view.camera.width_px = view.camera.height_px = kNumCells + 60;
   view.camera.fx_px = view.camera.fy_px = 300.0;
   view.camera.cx_px = view.camera.cy_px = 0.5 * (kNumCells + 60);
-  view.mask = cv::Mat1b(kNumCells + 60, kNumCells + 60, uint8_t{240});
-  view.mask(cv::Rect(0, 0, 100, 100)) = 20;
-  return std::vector<GrassView>(static_cast<size_t>(num_views), view);
+  view.picture.grass = cv::Mat1b(kNumCells + 60, kNumCells + 60, uint8_t{240});
+  view.picture.grass(cv::Rect(0, 0, 100, 100)) = 20;
+  return std::vector<KindView>(static_cast<size_t>(num_views), view);
 }
 
 // Slope by Sobel, ruggedness by eight differences, distance by OpenCV.
@@ -148,7 +148,7 @@ PlanRequest WholeMap(const Eigen::Vector2d& wind) {
 Contest DecisionLayers(const std::string& name, HeightFusion fusion) {
   const auto pairs = std::make_shared<std::vector<Points>>(PaperPoints());
   // Two: one view alone is not enough for grass.
-  const auto views = std::make_shared<std::vector<GrassView>>(GrassFromAbove(2));
+  const auto views = std::make_shared<std::vector<KindView>>(GrassFromAbove(2));
   return {name,
           "4.2e6 points, 300x300 cells",
           [=] {
@@ -163,7 +163,7 @@ Contest DecisionLayers(const std::string& name, HeightFusion fusion) {
 
 Contest Layers() {
   const auto map = std::make_shared<ElevationMap>(PaperMap());
-  const auto views = std::make_shared<std::vector<GrassView>>(GrassFromAbove(10));
+  const auto views = std::make_shared<std::vector<KindView>>(GrassFromAbove(10));
   return {
       "layers",
       "300x300 cells, 10 views",

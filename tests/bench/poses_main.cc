@@ -23,7 +23,7 @@
 namespace freelsd {
 namespace {
 
-constexpr const char* kModelFile = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+constexpr const char* kModelFile = FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx";
 constexpr double kBeyondDeviations = 3.0;
 // Cells that so many photographs show should have a height.
 constexpr int kEnoughViews = 3;
@@ -120,7 +120,7 @@ PosedBlock OurBlock(const JudgedFlight& judged) {
   const PipelineOptions& options = flight.options;
   PosedBlock posed{"freelsd", {}, 0.0};
   posed.seconds = SecondsOf([&] {
-    Frontend frontend(flight.rig, options, Classifier::Parse(ReadFile(kModelFile)));
+    Frontend frontend(flight.rig, options, ReadGroundModel(kModelFile).model);
     for (const Frame& frame : flight.frames) frontend.Process(frame);
     frontend.Flush();
     const Snapshot snapshot = frontend.TakeSnapshot();

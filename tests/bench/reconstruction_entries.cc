@@ -151,13 +151,13 @@ Contest SmallAdjustment(const BenchScene& scene) {
 
 }  // namespace
 
-std::vector<Entry> ReconstructionEntries(const std::string& model_text) {
+std::vector<Entry> ReconstructionEntries(const std::string& model_file) {
   return {
       {"bundle_adjustment",
-       [=] { return Adjustment(Scene(model_text), Scene(model_text).snapshot.views); }},
-      {"bundle_adjustment", [=] { return SmallAdjustment(Scene(model_text)); }},
-      {"stereo_matching", [=] { return StereoMatching(Scene(model_text)); }},
-      {"stereo", [=] { return Stereo(Scene(model_text)); }},
+       [=] { return Adjustment(Scene(model_file), Scene(model_file).snapshot.views); }},
+      {"bundle_adjustment", [=] { return SmallAdjustment(Scene(model_file)); }},
+      {"stereo_matching", [=] { return StereoMatching(Scene(model_file)); }},
+      {"stereo", [=] { return Stereo(Scene(model_file)); }},
   };
 }
 

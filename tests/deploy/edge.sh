@@ -4,7 +4,7 @@
 # links come back, stalling and resetting. Afterwards all three tell the same, byte by byte but for ages; meanwhile the
 # edges answered from their copies and said how old they are.
 #
-#   tests/deploy/edge.sh FREELSD_SERVER GRASS_MODEL FREELSD_FLY_OVER [--long] [--postgresql] [--tls]
+#   tests/deploy/edge.sh FREELSD_SERVER MODEL FREELSD_FLY_OVER [--long] [--postgresql] [--tls]
 #
 # --long: a flight each minute of the hour on each server instead of one in five. --postgresql: the centre is a server on
 # PostgreSQL, beside a cluster of its own; status 77 where there is none. --tls: the edges follow over https.

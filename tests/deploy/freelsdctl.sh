@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # deploy/freelsdctl against a real server: every command, what it says, and how it ends.
 #
-#   tests/deploy/freelsdctl.sh FREELSD_SERVER GRASS_MODEL FLIGHT_FOLDER
+#   tests/deploy/freelsdctl.sh FREELSD_SERVER MODEL FLIGHT_FOLDER
 #
 # FLIGHT_FOLDER is what freelsd-render wrote; the first photographs of it are sent. Needs curl and jq.
 set -Eeuo pipefail

@@ -2,7 +2,7 @@
 # A server on SQLite that has sites, their map and an obstacle follows an empty one on PostgreSQL: this takes what it has
 # there. Afterwards the one on PostgreSQL, alone, has the same sites, map and obstacle and recalls the same.
 #
-#   tests/deploy/move_to_postgresql.sh FREELSD_SERVER GRASS_MODEL FLIGHT_FOLDER
+#   tests/deploy/move_to_postgresql.sh FREELSD_SERVER MODEL FLIGHT_FOLDER
 #
 # Runs beside a cluster of its own; status 77 and a line "skipped: why" where there is no PostgreSQL with PostGIS.
 # Needs curl and jq.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # deploy/nginx.conf in front of a server with tokens: what passes, and what nginx keeps away.
 #
-#   tests/deploy/nginx.sh FREELSD_SERVER GRASS_MODEL [NGINX]
+#   tests/deploy/nginx.sh FREELSD_SERVER MODEL [NGINX]
 #
 # Needs nginx, openssl and curl; installs nothing, and listens on free loopback ports only.
 set -Eeuo pipefail

@@ -124,7 +124,7 @@ check_installed() {
   apt install "/$(basename "$package")"
   expect_there etc/freelsd/config.json lib/systemd/system/freelsd.service \
     lib/systemd/system/freelsd-mavlink@.service usr/bin/freelsd-mavlink \
-    usr/share/freelsd/grass_model.yml usr/share/doc/freelsd/copyright \
+    usr/share/freelsd/ground_kind.onnx usr/share/doc/freelsd/copyright \
     etc/systemd/system/multi-user.target.wants/freelsd.service
   [ "$(stat -c %a:%u:%g "$root/etc/freelsd/config.json")" = 644:0:0 ] || fail "modes of the configuration"
   # systemd's StateDirectory= does this.

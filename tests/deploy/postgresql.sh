@@ -2,7 +2,7 @@
 # A server on PostgreSQL beside one on SQLite: the same flight gives the same sites and the same answers, also after a
 # kill while it is evaluated. A database belongs to one server at a time, and may restart under it.
 #
-#   tests/deploy/postgresql.sh FREELSD_SERVER GRASS_MODEL FLIGHT_FOLDER
+#   tests/deploy/postgresql.sh FREELSD_SERVER MODEL FLIGHT_FOLDER
 #
 # Runs beside a cluster of its own; status 77 and a line "skipped: why" where there is no PostgreSQL with PostGIS.
 # Needs curl and jq.

@@ -3,7 +3,7 @@
 # they work; others take their flights within 15 s, the paused one writes nothing more and ends, and all flights get the
 # sites that they get on SQLite.
 #
-#   tests/deploy/roles.sh FREELSD_SERVER GRASS_MODEL FLIGHT_FOLDER
+#   tests/deploy/roles.sh FREELSD_SERVER MODEL FLIGHT_FOLDER
 #
 # A flight that three workers in a row did not survive fails, with that reason.
 #

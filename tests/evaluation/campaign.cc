@@ -148,7 +148,7 @@ struct TrueWorld {
 };
 
 EngineRun RunOf(const CampaignOptions& campaign,
-                const Classifier& classifier,
+                const GroundModel& ground_model,
                 const TrueWorld& world,
                 const Progress& progress) {
   const Scenario& scenario = world.scenario;
@@ -165,18 +165,18 @@ EngineRun RunOf(const CampaignOptions& campaign,
        campaign.is_heights_only,
        campaign.given.empty() ? EvaluateFlight() : EvaluateGiven(given, aircraft)},
       options,
-      classifier,
+      ground_model,
       progress);
 }
 
 EngineRun PlannedRun(const CampaignOptions& campaign,
-                     const Classifier& classifier,
+                     const GroundModel& ground_model,
                      const TrueWorld& world,
                      const Progress& progress) {
   const auto& [seed, scenario, truth, fields] = world;
   const ApproachOptions options = OptionsFor(campaign, scenario.aircraft).approach;
   EngineRun run = campaign.scenario.takes_photographs
-                      ? RunOf(campaign, classifier, world, progress)
+                      ? RunOf(campaign, ground_model, world, progress)
                       : RunOnTruth(scenario, truth, fields, options);
   if (const auto blinding = BlindingNamed(campaign.blind)) {
     run = RunBlinded(scenario, truth, fields, run, *blinding, options);
@@ -186,11 +186,11 @@ EngineRun PlannedRun(const CampaignOptions& campaign,
 }
 
 Json PlannedRecord(const CampaignOptions& campaign,
-                   const Classifier& classifier,
+                   const GroundModel& ground_model,
                    const TrueWorld& world,
                    const Progress& progress) {
   const auto& [seed, scenario, truth, fields] = world;
-  const EngineRun run = PlannedRun(campaign, classifier, world, progress);
+  const EngineRun run = PlannedRun(campaign, ground_model, world, progress);
   const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
   Json record = WorldRecord(seed, scenario, run, truth, fields, options);
   if (campaign.blind == kEachBlinding) {
@@ -204,17 +204,17 @@ Json PlannedRecord(const CampaignOptions& campaign,
 }
 
 Json RecordOf(const CampaignOptions& campaign,
-              const Classifier& classifier,
+              const GroundModel& ground_model,
               const TrueWorld& world,
               const Progress& progress) {
-  if (!campaign.is_heights_only) return PlannedRecord(campaign, classifier, world, progress);
-  const EngineRun run = RunOf(campaign, classifier, world, progress);
+  if (!campaign.is_heights_only) return PlannedRecord(campaign, ground_model, world, progress);
+  const EngineRun run = RunOf(campaign, ground_model, world, progress);
   progress(1.0, "hazards");
   return HeightsRecord(world.seed, world.scenario, run, world.truth);
 }
 
 Json EvaluateWorld(const CampaignOptions& campaign,
-                   const Classifier& classifier,
+                   const GroundModel& ground_model,
                    uint64_t seed,
                    const Progress& progress) {
   const int num_threads = campaign.scenario.num_threads;
@@ -229,7 +229,7 @@ Json EvaluateWorld(const CampaignOptions& campaign,
                             : FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
   stopwatch.Lap("truth");
   Json record = RecordOf(campaign,
-                         classifier,
+                         ground_model,
                          {seed, scenario, truth, fields},
                          [&](double done, const std::string& stage) {
                            stopwatch.Lap(stage == "frontend" ? stage : "backend");
@@ -295,9 +295,9 @@ Json ReadRecords(const CampaignOptions& options) {
 // Flies the worlds that are not in the report yet, several at once, and takes their records.
 class Campaign {
  public:
-  Campaign(const CampaignOptions& options, const Classifier& classifier)
+  Campaign(const CampaignOptions& options, const GroundModel& ground_model)
       : options_(options),
-        classifier_(classifier),
+        ground_model_(ground_model),
         records_(ReadRecords(options)),
         bar_(options.num_worlds, options.num_jobs) {}
 
@@ -322,7 +322,7 @@ class Campaign {
 
   void Fly(int world) {
     const uint64_t seed = SeedOf(world);
-    Keep(EvaluateWorld(options_, classifier_, seed, [&](double share, const std::string& stage) {
+    Keep(EvaluateWorld(options_, ground_model_, seed, [&](double share, const std::string& stage) {
       bar_.Tell(world, seed, stage, share);
       return true;
     }));
@@ -339,7 +339,7 @@ class Campaign {
   Json Report() const { return MakeReport(SettingsOf(options_), records_); }
 
   const CampaignOptions& options_;
-  const Classifier& classifier_;
+  const GroundModel& ground_model_;
   // Guards records_, which the jobs share, and the file of the records.
   std::mutex mutex_;
   Json records_;
@@ -373,10 +373,10 @@ void CampaignOptions::Check() const {
   }
 }
 
-Json RunCampaign(const CampaignOptions& options, const Classifier& classifier) {
+Json RunCampaign(const CampaignOptions& options, const GroundModel& ground_model) {
   options.Check();
   cv::setNumThreads(options.scenario.num_threads);
-  return Campaign(options, classifier).Run();
+  return Campaign(options, ground_model).Run();
 }
 
 }  // namespace freelsd

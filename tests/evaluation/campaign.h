@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/classification/classification.h"
+#include "engine/ground_kind/ground_kind.h"
 #include "tests/evaluation/runs/runs.h"
 #include "tests/evaluation/synthetic_flight.h"
 
@@ -38,12 +38,12 @@ struct CampaignOptions {
 
   // Throws std::invalid_argument.
   void Check() const;
-  // The file of the classifier that belongs to the options.
+  // The file of the ground_model that belongs to the options.
   std::string ModelFile() const;
 };
 
 // The report of all worlds, by seed. Whatever the number of jobs, the records are the same but for
 // what they cost.
-nlohmann::json RunCampaign(const CampaignOptions& options, const Classifier& classifier);
+nlohmann::json RunCampaign(const CampaignOptions& options, const GroundModel& ground_model);
 
 }  // namespace freelsd

@@ -37,17 +37,18 @@ std::map<std::string, double> EngineRun::StageSeconds() const {
 }
 
 std::string ModelFileFor(const PipelineOptions& options) {
-  const std::string folder = FREELSD_SOURCE_DIR "/engine/classification/";
-  return folder + (options.preset == Preset::kPaper ? "paper_model.yml" : "grass_model.yml");
+  const std::string folder = FREELSD_SOURCE_DIR "/engine/";
+  return folder + (options.preset == Preset::kPaper ? "classification/paper_model.yml"
+                                                    : "ground_kind/ground_kind.onnx");
 }
 
 EngineRun RunEngine(const EngineInput& input,
                     const PipelineOptions& options,
-                    const Classifier& classifier,
+                    const GroundModel& ground_model,
                     const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   EngineRun run;
-  Frontend frontend(input.rig, options, classifier);
+  Frontend frontend(input.rig, options, ground_model);
   std::map<std::string, cv::Mat> images;
   for (const Frame& frame : input.frames) {
     images[frame.id] = frame.image;

@@ -45,13 +45,13 @@ struct EngineInput {
   EvaluateFlight evaluate = {};
 };
 
-// The classifier that the service uses with these options, from the sources.
+// The ground_model that the service uses with these options, from the sources.
 std::string ModelFileFor(const PipelineOptions& options);
 
 // As Detect does, stage by stage, so that nothing of what lies between is lost.
 EngineRun RunEngine(const EngineInput& input,
                     const PipelineOptions& options,
-                    const Classifier& classifier,
+                    const GroundModel& ground_model,
                     const Progress& progress);
 
 }  // namespace freelsd

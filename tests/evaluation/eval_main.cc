@@ -49,7 +49,7 @@ int StatusOf(const Arguments& arguments, const Json& safety) {
 int Run(const Arguments& arguments) {
   const std::string model =
       arguments.model.empty() ? arguments.campaign.ModelFile() : arguments.model;
-  const Json report = RunCampaign(arguments.campaign, Classifier::Parse(ReadTextFile(model)));
+  const Json report = RunCampaign(arguments.campaign, ReadGroundModel(model).model);
   std::cout << TableOf(report);
   return report.contains("safety") ? StatusOf(arguments, report.at("safety")) : 0;
 }
@@ -134,7 +134,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
         campaign.ablations = Json::parse(ReadTextFile(path));
       },
       "JSON file with steps of the engine to leave out in turn, besides (ablation/ablations.json)");
-  app.add_option("--model", arguments.model, "grass classifier, instead of the options' own");
+  app.add_option("--model", arguments.model, "model of the ground, instead of the options' own");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");
 }

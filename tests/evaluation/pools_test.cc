@@ -33,6 +33,11 @@ TEST_CASE("pools: seeds, grounds, flights and places have the pools of the issue
   CHECK(pools.Of("flight", "somebody's own") == std::nullopt);
   CHECK(pools.NamesOf("place", Pool::kReport).size() == 7);
   CHECK(pools.NamesOf("ground", Pool::kReport).size() == 6);
+  CHECK(pools.FoldOf("swindale") == 0);
+  CHECK(pools.FoldOf("somebody's own") == std::nullopt);
+  for (const std::string& place : pools.NamesOf("place", Pool::kReport)) {
+    CHECK(std::filesystem::exists(FoldModelOf(place).value()));
+  }
 }
 
 TEST_CASE("pools: a run that mixes them is refused, and so is a seed of neither") {
@@ -57,6 +62,7 @@ TEST_CASE("pools: a table that cannot be read is named with its line") {
   CHECK(read("kind,name,pool\nflight,a,tuning\n").Of("flight", "a") == Pool::kTuning);
   CHECK_THROWS_AS(read("flight,a,training\n"), std::runtime_error);
   CHECK_THROWS_AS(read("seeds,5,tuning\n"), std::runtime_error);
+  CHECK_THROWS_AS(read("fold,a,5\n"), std::runtime_error);
   CHECK_THROWS_AS(read("flight,a,tuning\nflight,a,report\n"), std::runtime_error);
   std::filesystem::remove(path);
   CHECK_THROWS_AS(Pools::Read(path), std::runtime_error);

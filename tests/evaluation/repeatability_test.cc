@@ -1,8 +1,5 @@
 // Same seed and flight, same bytes: with one thread and two, twice; and nothing false safe in a
 // small world.
-#include <fstream>
-#include <sstream>
-
 #include <doctest/doctest.h>
 
 #include "tests/evaluation/world_record.h"
@@ -10,16 +7,9 @@
 namespace freelsd {
 namespace {
 
-std::string ReadModel() {
-  std::ifstream file(FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 // Everything that the engine answered and knew; not what it cost.
 nlohmann::json AnswersOf(const Scenario& scenario,
-                         const Classifier& classifier,
+                         const GroundModel& ground_model,
                          const TruthMap& truth,
                          const Fields& fields,
                          int num_threads) {
@@ -29,7 +19,7 @@ nlohmann::json AnswersOf(const Scenario& scenario,
   options.adjustment.num_threads = num_threads;
   const EngineRun run = RunEngine({scenario.rig, scenario.frames, scenario.aircraft},
                                   options,
-                                  classifier,
+                                  ground_model,
                                   [](double, const std::string&) { return true; });
   const nlohmann::json record = WorldRecord(1, scenario, run, truth, fields, options);
   return {{"sites", record.at("sites")},
@@ -50,9 +40,10 @@ TEST_CASE("evaluation: one thread or two, the same bytes, and nothing false safe
   const Scenario scenario = MakeScenario(kSeed, small, [](double) {});
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
   const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
-  const Classifier classifier = Classifier::Parse(ReadModel());
-  const nlohmann::json once = AnswersOf(scenario, classifier, truth, fields, 1);
-  CHECK(AnswersOf(scenario, classifier, truth, fields, 2).dump() == once.dump());
+  const GroundModel ground_model =
+      ReadGroundModel(FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx").model;
+  const nlohmann::json once = AnswersOf(scenario, ground_model, truth, fields, 1);
+  CHECK(AnswersOf(scenario, ground_model, truth, fields, 2).dump() == once.dump());
   CHECK(once.at("poses").at("num_connected").get<int>() >= 5);
   CHECK(!once.at("regions").empty());
   for (const nlohmann::json& site : once.at("sites")) CHECK(!site.at("is_false_safe"));

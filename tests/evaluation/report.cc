@@ -186,6 +186,10 @@ Json SafetyBySpacing(const Json& records) {
 
 Json MapTotals(const Json& records) {
   Json kinds = Json::object();
+  RocCounts grass;
+  for (const Json& record : records) {
+    grass.Add(RocFromJson(record.at("maps").at("grass_by_views")));
+  }
   for (const auto& [kind, counts] : AddUpTriples(records, "maps", "hazard_of_kind")) {
     const int64_t total = counts[0] + counts[1] + counts[2];
     kinds[kind] = {{"num_cells", total},
@@ -213,14 +217,15 @@ Json MapTotals(const Json& records) {
       {"hazard_precision",
        RoundedShare(AddUpCount(records, "maps", "num_called_hazard_rightly"),
                     AddUpCount(records, "maps", "num_called_hazard"))},
+      {"grass_auc", RoundedNumber(grass.Auc())},
+      {"grass_calibration_error", RoundedNumber(grass.CalibrationError())},
+      {"grass_by_views", ToJson(grass)},
       {"kinds", kinds}};
   totals.update(DetiltedTotals(records));
   return totals;
 }
 
 Json FrontendTotals(const Json& records) {
-  RocCounts roc;
-  for (const Json& record : records) roc.Add(RocFromJson(record.at("frontend").at("regions")));
   Json covers = Json::object();
   for (const auto& [cover, counts] : AddUpTriples(records, "frontend", "pixels_of_cover")) {
     const int64_t total = counts[0] + counts[1] + counts[2];
@@ -229,10 +234,7 @@ Json FrontendTotals(const Json& records) {
                      {"unclassified_ratio", RoundedShare(counts[2], total)}};
   }
   const Sums height = AddUp(records, "frontend", "coarse_height_error_m");
-  return {{"region_error_ratio", RoundedNumber(roc.ErrorRatio())},
-          {"region_auc", RoundedNumber(roc.Auc())},
-          {"region_calibration_error", RoundedNumber(roc.CalibrationError())},
-          {"coarse_height_rmse_m", RoundedNumber(height.Rms())},
+  return {{"coarse_height_rmse_m", RoundedNumber(height.Rms())},
           {"coarse_height_bias_m", RoundedNumber(height.Mean())},
           {"num_regions", AddUpCount(records, "frontend", "num_regions")},
           {"num_graded", AddUpCount(records, "frontend", "num_graded")},

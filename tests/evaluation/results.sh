@@ -130,7 +130,7 @@ $(git rev-parse --short HEAD). A section of an older revision is marked; its fig
 in \`build/reports\` after a run.
 
 The [protocol](README.md) explains the figures. The [decision records](decisions/README.md) say what was
-tried. [grass_model.md](../../engine/classification/grass_model.md) has the scores of the classifier.
+tried. The [model card](../../engine/ground_kind/training/README.md) has the scores of the network of ground kinds.
 TEXT
 for part in "${page_parts[@]}"; do
   if [ -f "$reports/$part.md" ]; then shorten "$part" | mark_age; fi

@@ -82,29 +82,22 @@ void CountHazard(MapScore& score, const TruthMap& truth, const cv::Point& cell, 
 }
 
 void ScoreMask(FrontendScore& score,
-               const GrassView& view,
+               const KindView& view,
                const Rigid3d& true_world_from_camera,
                const Renderer& renderer,
                const World& world) {
-  std::array<std::array<int64_t, 2>, 256> grass_of_value{};
-  for (int row = kMaskStep / 2; row < view.mask.rows; row += kMaskStep) {
-    for (int col = kMaskStep / 2; col < view.mask.cols; col += kMaskStep) {
-      const double scale = view.image_px_per_mask_px;
+  for (int row = kMaskStep / 2; row < view.picture.grass.rows; row += kMaskStep) {
+    for (int col = kMaskStep / 2; col < view.picture.grass.cols; col += kMaskStep) {
+      const double scale = view.picture.image_px_per_px;
       const Eigen::Vector2d pixel((col + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5);
       const Eigen::Vector3d ray = true_world_from_camera.rotation * view.camera.RayFromImage(pixel);
       const auto hit = renderer.FirstHit(true_world_from_camera.translation, ray);
       if (!hit || hit->head<2>().cwiseAbs().maxCoeff() > 0.5 * world.size_m) continue;
       const Cover cover = world.CoverAt(hit->x(), hit->y());
-      const uint8_t value = view.mask(row, col);
+      const uint8_t value = view.picture.grass(row, col);
       const size_t called = value == 0 ? 2 : value >= 128 ? 0 : 1;
       ++score.pixels_of_cover[CoverName(cover)][called];
-      if (value > 0) ++grass_of_value[value][cover == Cover::kMeadow];
     }
-  }
-  for (size_t value = 1; value < grass_of_value.size(); ++value) {
-    const auto [num_other, num_grass] = grass_of_value[value];
-    if (num_other + num_grass == 0) continue;
-    score.regions.Add((static_cast<double>(value) - 1.0) / 254.0, num_grass > num_other);
   }
 }
 
@@ -174,6 +167,11 @@ MapScore ScoreMap(const EngineRun& run, const Scenario& scenario, const TruthMap
       CountHazard(score, truth, cell, layers.hazard(row, col));
       if (!map.IsSeen(row, col)) continue;
       const Cover cover = static_cast<Cover>(truth.cover(cell));
+      const int8_t by_views = run.evaluation.cues.front().steps(row, col);
+      if (by_views != CueSteps::kUnknown) {
+        const double log_odds = by_views * CueSteps::kLogOdds;
+        score.grass_by_views.Add(1.0 / (1.0 + std::exp(-log_odds)), cover == Cover::kMeadow);
+      }
       if (IsOpenGround(cover)) {
         errors.push_back(map.elevation(row, col) -
                          scenario.world.SurfaceHeight(place.x(), place.y()));
@@ -201,16 +199,13 @@ FrontendScore ScoreFrontend(const EngineRun& run, const Scenario& scenario) {
   for (size_t i = 0; i < run.snapshot.views.size(); ++i) {
     const View& view = run.snapshot.views[i];
     for (const Observation& observation : view.observations) ++views_of_track[observation.track_id];
-    if (i >= run.snapshot.grass_masks.size() || run.snapshot.grass_masks[i].size.empty()) continue;
-    const PackedMask& packed = run.snapshot.grass_masks[i];
-    ScoreMask(score,
-              {view.world_from_camera,
-               run.snapshot.rig.camera.With(view.readout),
-               packed.Unpack(),
-               packed.image_px_per_mask_px},
-              scenario.TrueWorldFromCamera(exposure_of_id.at(view.frame_id)),
-              renderer,
-              scenario.world);
+    if (i >= run.snapshot.kinds.size() || run.snapshot.kinds[i].grass.empty()) continue;
+    ScoreMask(
+        score,
+        {view.world_from_camera, run.snapshot.rig.camera.With(view.readout), run.snapshot.kinds[i]},
+        scenario.TrueWorldFromCamera(exposure_of_id.at(view.frame_id)),
+        renderer,
+        scenario.world);
   }
   for (const auto& [track, num_views] : views_of_track) score.track_length.Add(num_views);
   score.num_regions = static_cast<int>(run.regions.size());

@@ -43,12 +43,12 @@ struct MapScore {
   // Of all cells that the map saw.
   int64_t num_faulty = 0, num_faulty_not_free = 0;
   int64_t num_called_hazard = 0, num_called_hazard_rightly = 0;
+  // Per cell that the map saw: the posterior of grass by the views alone, against what it is.
+  RocCounts grass_by_views;
 };
 MapScore ScoreMap(const EngineRun& run, const Scenario& scenario, const TruthMap& truth);
 
 struct FrontendScore {
-  // Per region of a view: its probability of grass against what most of it is.
-  RocCounts regions;
   // Sampled pixels by cover: called grass, called something else, not called anything.
   std::map<std::string, std::array<int64_t, 3>> pixels_of_cover;
   // Height of region corners over the true ground there, estimate less truth, metres.

@@ -262,6 +262,12 @@ const Pools& EvaluationPools() {
   return kPools;
 }
 
+std::optional<std::string> FoldModelOf(const std::string& name) {
+  const std::optional<int> fold = EvaluationPools().FoldOf(name);
+  if (!fold) return std::nullopt;
+  return FREELSD_SOURCE_DIR "/tests/evaluation/folds/fold" + std::to_string(*fold) + ".onnx";
+}
+
 Scenario MakeScenario(uint64_t seed,
                       const ScenarioOptions& options,
                       const std::function<void(double)>& progress) {

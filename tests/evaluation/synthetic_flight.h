@@ -79,6 +79,9 @@ struct Scenario {
 
 // Who may see what. From tests/evaluation/pools.csv.
 const Pools& EvaluationPools();
+// File of the network that learned nothing from this flight or place: that of its fold (folds/).
+// Nothing where it has none.
+std::optional<std::string> FoldModelOf(const std::string& name);
 
 // `progress` is called with the share of the photographs that are rendered. 0 means that the world
 // is built.

@@ -219,6 +219,7 @@ Json MapsJson(const MapScore& score) {
           {"slope_error_deg", ToJson(score.slope_error)},
           {"roughness_error_m", ToJson(score.roughness_error)},
           {"hazard_of_kind", score.hazard_of_kind},
+          {"grass_by_views", ToJson(score.grass_by_views)},
           {"num_faulty", score.num_faulty},
           {"num_faulty_not_free", score.num_faulty_not_free},
           {"num_called_hazard", score.num_called_hazard},
@@ -226,8 +227,7 @@ Json MapsJson(const MapScore& score) {
 }
 
 Json FrontendJson(const FrontendScore& score) {
-  return {{"regions", ToJson(score.regions)},
-          {"pixels_of_cover", score.pixels_of_cover},
+  return {{"pixels_of_cover", score.pixels_of_cover},
           {"coarse_height_error_m", ToJson(score.coarse_height_error)},
           {"num_regions", score.num_regions},
           {"num_graded", score.num_graded},

@@ -36,7 +36,7 @@ def world_cells:
      + "\(.flown.failure_ratio_high_95 | percent)), thin \(.flown.failure_ratio_thin | percent)",
    "\(.found.num_found_of_accepted) of \(.found.fields_accepted_on_truth)"
      + " (\(.found.found_of_accepted_ratio | percent))",
-   (.frontend.region_calibration_error | hundredths)];
+   (.maps.grass_calibration_error | hundredths)];
 def flight_counts: [.surveys[].counts] | sum_of(.);
 def flight_fields: [.surveys[].fields[] | select((.winds_that_fit | length) > 0)];
 def flight_cells:

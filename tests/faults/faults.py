@@ -162,7 +162,7 @@ def main():
         root=root, build=arguments.build, clock=arguments.clock,
         server=arguments.build / "server/freelsd-server",
         render=arguments.build / "tests/freelsd-render",
-        model=root / "engine/classification/grass_model.yml")
+        model=root / "engine/ground_kind/ground_kind.onnx")
     harness.patience = 1.0 if arguments.long else 5.0
     sizes = dict(pair.split("=") for pair in arguments.sizes.split(",") if pair)
     if arguments.minutes:

@@ -314,7 +314,7 @@ def main():
     names = arguments.rows.split(",") if arguments.rows else [row[0] for row in ROWS]
     root = Path(__file__).resolve().parents[2]
     server = arguments.build / "server/freelsd-server"
-    tools = SimpleNamespace(server=server, model=root / "engine/classification/grass_model.yml")
+    tools = SimpleNamespace(server=server, model=root / "engine/ground_kind/ground_kind.onnx")
     lines, has_failed = [], False
     with tempfile.TemporaryDirectory(prefix="freelsd-fleet-") as folder:
         photos = arguments.flight or Path(folder) / "flight"

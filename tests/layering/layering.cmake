@@ -11,7 +11,7 @@ set(server_may_include server api engine storage)
 
 # A folder may include only what stands before it; what lies directly in engine/ or server/ comes
 # last, but server/config.h first.
-set(engine_order check geometry footprint flight tracks segmentation classification regions wind adjustment
+set(engine_order check geometry footprint flight tracks segmentation classification ground_kind regions wind adjustment
                  stereo provenance terrain heights cover mosaic hazard risk approach obstacles glide route
                  selection next_look)
 set(server_order config http sharing base_map links intake maps recall following jobs handlers)

@@ -19,6 +19,7 @@ SiteMap Meadow() {
   meadow.layers.slope = cv::Mat1f(size, 0.0f);
   meadow.layers.roughness = cv::Mat1f(size, 0.0f);
   meadow.layers.grass = cv::Mat1f(size, 0.99f);
+  meadow.layers.kind = cv::Mat1b(size, LikelyKind{GroundKind::kGrass, 0.99f}.Packed());
   meadow.layers.hazard = cv::Mat1b(size, uchar{0});
   meadow.layers.distance = cv::Mat1f(size, 100.0f);
   return meadow;

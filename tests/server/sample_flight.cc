@@ -78,7 +78,7 @@ std::string PostFlight(httplib::Client& client, const nlohmann::json& request) {
 }  // namespace
 
 std::filesystem::path RealModel() {
-  return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
+  return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/ground_kind/ground_kind.onnx";
 }
 
 // The header and the lines of these frames: a batch must not name images that are not there.

@@ -23,7 +23,7 @@ std::string TrainedModelText() {
     cv::Mat3b image(16, 16, is_grass ? cv::Vec3b(60, 140, 70) : cv::Vec3b(120, 120, 120));
     cv::Mat3b noise(image.size());
     random.fill(noise, cv::RNG::UNIFORM, 0, 40);
-    samples.push_back({RegionFeatures(image + noise, cv::Mat1b(16, 16, 255), 0.3, FeatureSet::kRgb),
+    samples.push_back({RegionFeatures(image + noise, cv::Mat1b(16, 16, 255), FeatureSet::kRgb),
                        is_grass,
                        "place " + std::to_string(i % 4)});
   }

@@ -27,7 +27,7 @@ export const sampleProof = (flight, { weights = [0.404, 0.275, 0.225, 0.096], ev
       height_likelihood: sampleLikelihood,
       cues: [{ cue: 'fence', log_odds: null, denies: true }, { cue: 'views', log_odds: 7.875, denies: false },
         { cue: 'look_alike', log_odds: -1.5, denies: false }, { cue: 'small_object', log_odds: 0, denies: false },
-        { cue: 'overreach', log_odds: null, denies: false }],
+        { cue: 'fence', log_odds: null, denies: false }],
       ...evidence,
     },
     nearest_limit: { part: 'ground', value: 0.024, limit: 0.1, margin: 0.076, whole: 0.024 },

@@ -135,6 +135,10 @@ MapWindow Coarser(const MapWindow& window) {
   layers.slope = JoinFours(layers.slope, coarse, kNaN, Largest);
   layers.roughness = JoinFours(layers.roughness, coarse, kNaN, Largest);
   layers.grass = JoinFours(layers.grass, coarse, kNaN, Least);
+  // Another kind before grass, and grass before nothing.
+  layers.kind = JoinFours<uint8_t>(layers.kind, coarse, 0, [](const std::array<uint8_t, 4>& four) {
+    return *std::max_element(four.begin(), four.end());
+  });
   layers.hazard = JoinFours<uint8_t>(layers.hazard, coarse, kUnseen, WorstHazard);
   layers.distance = JoinFours(layers.distance, coarse, 0.0f, Least);
   result.cues.clear();

@@ -64,13 +64,14 @@ void AddRisk(MapWindow& window, const Aircraft& aircraft, double finest_cell_siz
 // --- Layers ---
 
 // "photo", "hazard", "elevation", "slope", "roughness", "grass", "distance", "height_sd",
-// "coverage", "risk". Functions that take the name of a layer throw std::invalid_argument if no
-// such layer exists. Only functions with Photo in their name, MapJson and the KMZ take "photo".
+// "coverage", "risk", "kind". Functions that take the name of a layer throw std::invalid_argument
+// if no such layer exists. Only functions with Photo in their name, MapJson and the KMZ take
+// "photo".
 std::vector<std::string> MapLayerNames();
 
 // Values at the two ends of the layer's ramp, or nothing if no cell of the window is seen.
 // Elevation is an altitude, and 1 % of its cells is beyond each end, so that a few trees do not
-// hide the relief. For slope, roughness, grass, height_sd, hazard and risk the values are fixed.
+// hide the relief. For the others, but coverage and distance, the values are fixed.
 std::optional<Scale> MapScale(const std::string& layer,
                               const MapWindow& window,
                               const LocalFrame& local_frame);

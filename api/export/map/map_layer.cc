@@ -27,6 +27,7 @@ constexpr LayerName kLayers[] = {
     {"height_sd", MapLayer::kHeightSd, "m"},
     {"coverage", MapLayer::kCoverage, "photographs"},
     {"risk", MapLayer::kRisk, "probability"},
+    {"kind", MapLayer::kKind, "class"},
 };
 
 void CheckSize(const char* name, const cv::Mat& raster, const Grid& grid, bool may_be_empty) {
@@ -83,6 +84,7 @@ void CheckWindow(const MapWindow& window) {
   CheckSize("slope", layers.slope, map.grid, true);
   CheckSize("roughness", layers.roughness, map.grid, true);
   CheckSize("grass", layers.grass, map.grid, true);
+  CheckSize("kind", layers.kind, map.grid, true);
   CheckSize("distance", layers.distance, map.grid, true);
   CheckSize("coverage", window.coverage, map.grid, true);
   CheckSize("risk", window.risk, map.grid, true);
@@ -93,9 +95,15 @@ void CheckWindow(const PhotoWindow& window) {
   CheckSize("pixels", window.pixels, window.grid, false);
 }
 
-bool LayerRaster::IsEmpty() const { return counts ? counts->empty() : values->empty(); }
+bool LayerRaster::IsEmpty() const {
+  return counts ? counts->empty() : kinds ? kinds->empty() : values->empty();
+}
 
 float LayerRaster::At(int row, int col) const {
+  if (kinds) {
+    const uint8_t kind = (*kinds)(row, col);
+    return kind > 0 ? static_cast<float>(LikelyKind::Unpack(kind).kind) : kNoValue;
+  }
   if (!counts) return (*values)(row, col) * factor;
   const uint8_t count = (*counts)(row, col);
   return count > 0 ? static_cast<float>(count) : kNoValue;
@@ -110,6 +118,7 @@ LayerRaster RasterOf(const MapWindow& window, MapLayer layer) {
   if (layer == MapLayer::kDistance) return {.values = &layers.distance};
   if (layer == MapLayer::kCoverage) return {.counts = &window.coverage};
   if (layer == MapLayer::kRisk) return {.values = &window.risk};
+  if (layer == MapLayer::kKind) return {.kinds = &layers.kind};
   if (layer != MapLayer::kSlope) throw std::invalid_argument("layer: has no values");
   return {.values = &layers.slope, .factor = static_cast<float>(DegFromRad(1.0))};
 }

@@ -16,6 +16,7 @@ enum class MapLayer {
   kHeightSd,
   kCoverage,
   kRisk,
+  kKind,
 };
 
 // Throws std::invalid_argument if no layer has the name.
@@ -37,10 +38,13 @@ struct LayerRaster {
   const cv::Mat1f* values = nullptr;
   // Only for coverage.
   const cv::Mat1b* counts = nullptr;
+  // Only for the kind of ground.
+  const cv::Mat1b* kinds = nullptr;
   float factor = 1.0f;
 
   bool IsEmpty() const;
-  // Value in the unit of the layer; NaN where unseen. Elevation is world z, grass the posterior.
+  // Value in the unit of the layer; NaN where unseen. Elevation is world z, grass the posterior,
+  // kind a GroundKind.
   float At(int row, int col) const;
 };
 // Throws std::invalid_argument for the photo and hazard, which are drawn by other rules.

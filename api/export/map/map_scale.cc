@@ -16,6 +16,8 @@ constexpr Scale kHeightSdScale{0.0, 2.0};
 constexpr Scale kHazardScale{0.0, 2.0};
 constexpr Scale kGrassScale{0.0, 1.0};
 constexpr Scale kRiskScale{0.0, 0.2};
+// One step for each kind.
+constexpr Scale kKindScale{-0.5, kNumGroundKinds - 0.5};
 // Share of the heights beyond each end of the ramp.
 constexpr double kTailShare = 0.01;
 
@@ -47,6 +49,7 @@ std::optional<Scale> FixedScale(MapLayer layer) {
   if (layer == MapLayer::kHazard) return kHazardScale;
   if (layer == MapLayer::kGrass) return kGrassScale;
   if (layer == MapLayer::kRisk) return kRiskScale;
+  if (layer == MapLayer::kKind) return kKindScale;
   return std::nullopt;
 }
 

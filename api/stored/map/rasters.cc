@@ -87,6 +87,7 @@ MapRasters UnseenRasters(const Grid& grid) {
   layers.slope = unknown();
   layers.roughness = unknown();
   layers.grass = unknown();
+  layers.kind = cv::Mat1b::zeros(size);
   layers.hazard = cv::Mat1b(size, uchar{kUnseen});
   layers.distance = cv::Mat1f::zeros(size);
   rasters.coverage = cv::Mat1b::zeros(size);
@@ -107,6 +108,7 @@ void CopyCells(const MapRasters& from, MapRasters& to) {
   Copy(layers.slope, out, to_layers.slope, in);
   Copy(layers.roughness, out, to_layers.roughness, in);
   Copy(layers.grass, out, to_layers.grass, in);
+  Copy(layers.kind, out, to_layers.kind, in);
   Copy(layers.hazard, out, to_layers.hazard, in);
   Copy(layers.distance, out, to_layers.distance, in);
   Copy(from.coverage, out, to.coverage, in);

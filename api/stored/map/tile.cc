@@ -23,16 +23,19 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "stored tiles are little-endian");
 
 constexpr char kMagic[4] = {'F', 'L', 'M', 'T'};
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
+// Has no kinds of ground.
+constexpr uint32_t kVersionWithoutKinds = 2;
 constexpr size_t kMaxNumCues = 64;
 constexpr int kDeflateLevel = 6;
 constexpr size_t kNumCells = size_t{kTileCells} * kTileCells;
 constexpr uint16_t kUnknown = 0xFFFF;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kDistanceStepM = 1.0f / 16.0f;
-// Elevation, upper, deviation, number of points, slope, roughness, grass.
+// Elevation, upper, deviation, number of points, slope, roughness, grass; then the kind, a byte.
 constexpr size_t kNumPlanningRasters = 7;
-constexpr size_t kPlanningBytes = sizeof(int32_t) + kNumPlanningRasters * kNumCells * 2;
+constexpr size_t kPlanningStepsBytes = sizeof(int32_t) + kNumPlanningRasters * kNumCells * 2;
+constexpr size_t kPlanningBytes = kPlanningStepsBytes + kNumCells;
 // Hazard, coverage, distance.
 constexpr size_t kDisplayBytes = kNumCells * (1 + 1 + 2);
 
@@ -178,6 +181,16 @@ std::string ReadPart(const std::string& bytes,
   return content;
 }
 
+void AppendBytes(std::string& content, const cv::Mat1b& raster) {
+  if (raster.empty()) {
+    content.append(kNumCells, '\0');
+    return;
+  }
+  for (int row = 0; row < raster.rows; ++row) {
+    content.append(reinterpret_cast<const char*>(raster[row]), static_cast<size_t>(raster.cols));
+  }
+}
+
 std::string PlanningPart(const SiteMap& ground) {
   const auto& [map, layers] = ground;
   const int32_t base = BaseOf(map);
@@ -196,17 +209,8 @@ std::string PlanningPart(const SiteMap& ground) {
   AppendSteps(content, StepsOf(layers.slope, MapSteps::kSlope));
   AppendSteps(content, StepsOf(layers.roughness, MapSteps::kRoughnessM));
   AppendSteps(content, StepsOf(layers.grass, MapSteps::kGrass));
+  AppendBytes(content, layers.kind);
   return content;
-}
-
-void AppendBytes(std::string& content, const cv::Mat1b& raster) {
-  if (raster.empty()) {
-    content.append(kNumCells, '\0');
-    return;
-  }
-  for (int row = 0; row < raster.rows; ++row) {
-    content.append(reinterpret_cast<const char*>(raster[row]), static_cast<size_t>(raster.cols));
-  }
 }
 
 std::string DisplayPart(const MapRasters& tile) {
@@ -275,6 +279,9 @@ void ReadPlanning(const std::string& content, SiteMap& ground) {
   layers.slope = ValuesOf(steps_of(4), MapSteps::kSlope);
   layers.roughness = ValuesOf(steps_of(5), MapSteps::kRoughnessM);
   layers.grass = ValuesOf(steps_of(6), MapSteps::kGrass);
+  if (content.size() == kPlanningBytes) {
+    std::memcpy(layers.kind.data, content.data() + kPlanningStepsBytes, kNumCells);
+  }
 }
 
 void ReadDisplay(const std::string& content, MapRasters& tile) {
@@ -318,13 +325,14 @@ MapRasters DeserializeTile(const std::string& bytes, const Grid& grid, TileLayer
   }
   uint32_t version = 0;
   std::memcpy(&version, bytes.data() + sizeof(kMagic), sizeof(version));
-  if (version != kVersion) {
+  if (version != kVersion && version != kVersionWithoutKinds) {
     throw std::runtime_error("stored map tile: version " + std::to_string(version));
   }
   MapRasters tile = UnseenRasters(grid);
   size_t position = kHeadSize;
   const auto is = [](size_t wanted) { return [wanted](size_t size) { return size == wanted; }; };
-  ReadPlanning(ReadPart(bytes, is(kPlanningBytes), position), tile.site_map);
+  const size_t planning_bytes = version == kVersion ? kPlanningBytes : kPlanningStepsBytes;
+  ReadPlanning(ReadPart(bytes, is(planning_bytes), position), tile.site_map);
   if (layers == TileLayers::kPlanning) return tile;
   ReadDisplay(ReadPart(bytes, is(kDisplayBytes), position), tile);
   if (layers == TileLayers::kAll) return tile;

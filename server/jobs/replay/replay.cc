@@ -72,12 +72,12 @@ nlohmann::json TextOrNull(const std::string& text) {
 
 nlohmann::json ReplayFlight(Service& service,
                             const std::string& flight_id,
-                            const Classifiers& classifiers,
+                            const GroundModels& ground_models,
                             const Progress& progress) {
   const auto flight = service.storage.flights.Find(flight_id);
   if (!flight) throw std::runtime_error("the flight was deleted");
   const FinishedAt finished = LastFinish(service.storage, flight_id);
-  FlightSession session(*flight, classifiers);
+  FlightSession session(*flight, ground_models);
   GiveFrames(service, flight_id, finished, session, progress);
   std::map<std::string, std::string> replayed =
       EvidenceDigests(service, flight_id, session, [&](double ratio, const std::string& stage) {

@@ -17,7 +17,7 @@ namespace freelsd {
 // `progress` returned false. Call it only from the backend thread.
 nlohmann::json ReplayFlight(Service& service,
                             const std::string& flight_id,
-                            const Classifiers& classifiers,
+                            const GroundModels& ground_models,
                             const Progress& progress);
 
 }  // namespace freelsd

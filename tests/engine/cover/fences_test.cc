@@ -133,7 +133,7 @@ TEST_CASE(
   map.elevation = cv::Mat1f(map.grid.num_rows, map.grid.num_cols, 100.0f);
   map.upper = map.elevation.clone();
   map.standard_deviation = cv::Mat1f(map.elevation.size(), 0.1f);
-  const std::vector<GrassView> views = photo::TwoNadirViews(255);
+  const std::vector<KindView> views = photo::TwoNadirViews(255);
   const auto at = [&](double east, double north) {
     return *map.grid.CellAt(Eigen::Vector2d(east, north));
   };
@@ -168,7 +168,7 @@ TEST_CASE("fences: a thing is as much alone in its meadow with a fence as withou
   const GroundSurface surface = MeasureSurface(map, {});
   CoverOptions without;
   without.min_fence_deviations = 0.0;
-  const std::vector<GrassView> views = photo::TwoNadirViews(255);
+  const std::vector<KindView> views = photo::TwoNadirViews(255);
   const OpenCover with_fence = AssessCover(map, surface, views, {}, picture).open;
   const OpenCover without_fence = AssessCover(map, surface, views, without, picture).open;
   CHECK(with_fence.allowance_m(*map.grid.CellAt(Eigen::Vector2d(20.0, 3.0))) == 4.0f);

@@ -18,6 +18,8 @@ using photo::Painted;
 
 constexpr double kSideM = 120.0;
 constexpr uint8_t kSurelyGrass = 255;
+// Of two views: 0.9.
+constexpr uint8_t kLikelyGrass = 191;
 constexpr double kFieldHalfM = 30.0;
 // Waves of an even water surface, grey levels.
 constexpr double kWaterNoise = 0.8;
@@ -43,6 +45,11 @@ Paint Lines(double turn_deg, double spacing_m, double width_m, double grey) {
     const double across = AlongAndAcross(place, turn_deg).y();
     return OffMultiple(across, spacing_m) <= 0.5 * width_m ? Brighter(grey) : photo::kGreen;
   };
+}
+
+ToldKinds Told(const Grid& grid, float grass, GroundKind other) {
+  const cv::Size size(grid.num_cols, grid.num_rows);
+  return {cv::Mat1f(size, grass), cv::Mat1b(size, LikelyKind{other, 1.0f - grass}.Packed())};
 }
 
 int NumWithRows(const Paint& paint) {
@@ -167,24 +174,23 @@ TEST_CASE("look-alikes: water is water up to what was not seen of it") {
 }
 
 TEST_CASE("look-alikes: without a picture nothing is found, and unseen ground is nothing") {
-  CHECK(FindLookAlikes({}, {{0, 0}, 1.0, 20, 20}, {}).empty());
+  CHECK(FindLookAlikes({}, {{0, 0}, 1.0, 20, 20}, {}, {}).empty());
   Orthophoto unseen = Painted(40.0, Rows(0.0, 0.75, 10.0));
   photo::MakeUnseen(unseen, cv::Rect({0, 0}, unseen.image.size()));
-  CHECK(cv::countNonZero(FindLookAlikes(unseen, MapGridOf(unseen), {})) == 0);
+  CHECK(cv::countNonZero(FindLookAlikes(
+            unseen, MapGridOf(unseen), Told(MapGridOf(unseen), 0.5f, GroundKind::kWater), {})) ==
+        0);
   // Smaller than a square of the spectrum.
   CHECK(cv::countNonZero(RowCrops(Painted(8.0, Rows(0.0, 0.75, 10.0)), {})) == 0);
 }
 
-// A meadow, with in the north-west a field in rows, in the south-east a pond, and east of the
-// field tracks of a sprayer.
+// A meadow, with in the north-west a field in rows, in the south-east a pond.
 Orthophoto Countryside() {
   Orthophoto photo = Painted(160.0, [](const Eigen::Vector2d& place) {
     if (place.x() < -20.0 && place.y() > 20.0) {
       return Brighter(10.0 * std::sin(2.0 * kPi * place.x() / 0.75));
     }
-    const double across = OffMultiple(place.x() - 28.0, 24.0);
-    const bool is_track = place.x() > 10.0 && place.y() > 10.0 && std::abs(across - 0.95) < 0.225;
-    return is_track ? photo::kRut : photo::kGreen;
+    return photo::kGreen;
   });
   const Orthophoto even = Painted(
       160.0, [](const Eigen::Vector2d&) { return photo::kGreen; }, kWaterNoise);
@@ -193,31 +199,41 @@ Orthophoto Countryside() {
   return photo;
 }
 
-const Eigen::Vector2d kInRows(-50.0, 50.0), kInPond(45.0, -55.0), kInTracks(40.0, 50.0);
+const Eigen::Vector2d kInRows(-50.0, 50.0), kInPond(45.0, -55.0);
 const Eigen::Vector2d kInMeadow(-45.0, -45.0);
 
 bool IsFoundAt(const Eigen::Vector2d& place, const CoverOptions& options) {
   static const Orthophoto kPhoto = Countryside();
   const Grid grid = MapGridOf(kPhoto);
-  return FindLookAlikes(kPhoto, grid, options)(*grid.CellAt(place)) != 0;
+  return FindLookAlikes(
+             kPhoto, grid, Told(grid, 0.9f, GroundKind::kWater), options)(*grid.CellAt(place)) != 0;
 }
 
 TEST_CASE("look-alikes: each rule finds its own, and 0 switches it off") {
   const CoverOptions all;
   CHECK(IsFoundAt(kInRows, all));
   CHECK(IsFoundAt(kInPond, all));
-  CHECK(IsFoundAt(kInTracks, all));
   CHECK_FALSE(IsFoundAt(kInMeadow, all));
-  CoverOptions no_rows, no_water, no_tracks;
+  CoverOptions no_rows, no_water;
   no_rows.min_row_strength = 0.0;
   no_water.min_detail_ratio = 0.0;
-  no_tracks.min_rut_contrast = 0.0;
   CHECK_FALSE(IsFoundAt(kInRows, no_rows));
   CHECK(IsFoundAt(kInPond, no_rows));
   CHECK_FALSE(IsFoundAt(kInPond, no_water));
-  CHECK(IsFoundAt(kInTracks, no_water));
-  CHECK_FALSE(IsFoundAt(kInTracks, no_tracks));
-  CHECK(IsFoundAt(kInRows, no_tracks));
+  CHECK(IsFoundAt(kInRows, no_water));
+}
+
+TEST_CASE(
+    "look-alikes: ground with little detail stays grass where the views leave no room for water") {
+  const Orthophoto photo = Countryside();
+  const Grid grid = MapGridOf(photo);
+  const cv::Point pond = *grid.CellAt(kInPond), rows = *grid.CellAt(kInRows);
+  const cv::Mat1b of_sure = FindLookAlikes(photo, grid, Told(grid, 0.97f, GroundKind::kWater), {});
+  const cv::Mat1b of_other = FindLookAlikes(photo, grid, Told(grid, 0.9f, GroundKind::kRough), {});
+  CHECK(of_sure(pond) == 0);
+  CHECK(of_other(pond) == 0);
+  CHECK(of_sure(rows) == 255);
+  CHECK(of_other(rows) == 255);
 }
 
 // Flat, and grass for every view from 200 m up.
@@ -235,10 +251,13 @@ ElevationMap FlatMapOn(const Grid& grid) {
 TEST_CASE("look-alikes: with a photograph such cells are hazard and no grass, under any limits") {
   const Orthophoto photo = Countryside();
   const ElevationMap map = FlatMapOn(MapGridOf(photo));
-  const HazardLayers without = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {});
-  const HazardLayers with = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {}, photo);
+  KindView view = photo::NadirView(kLikelyGrass);
+  view.picture.other =
+      cv::Mat1b(view.picture.grass.size(), LikelyKind{GroundKind::kWater, 0.2f}.Packed());
+  const HazardLayers without = AssessHazards(map, {2, view}, {}, {});
+  const HazardLayers with = AssessHazards(map, {2, view}, {}, {}, photo);
   const HazardLayers renewed = WithLimits(map, with, {.max_slope_deg = 20.0}, {});
-  for (const Eigen::Vector2d& place : {kInRows, kInPond, kInTracks}) {
+  for (const Eigen::Vector2d& place : {kInRows, kInPond}) {
     const cv::Point cell = *map.grid.CellAt(place);
     CHECK(without.hazard(cell) == kFree);
     CHECK(with.hazard(cell) == kHazard);
@@ -262,18 +281,10 @@ TEST_CASE("look-alikes: a picture in which all is as it should be changes nothin
 
 TEST_CASE("look-alikes: options out of bounds are refused by name") {
   using O = CoverOptions;
-  for (double O::*const field : {&O::min_rut_contrast,
-                                 &O::min_row_strength,
-                                 &O::min_detail_ratio,
-                                 &O::min_object_deviations}) {
+  for (double O::*const field :
+       {&O::min_row_strength, &O::min_detail_ratio, &O::min_object_deviations}) {
     CHECK(RefusalOf(field, 0.0).empty());
   }
-  CHECK(RefusalOf(&O::min_rut_contrast, 1.5) == "hazard.min_rut_contrast = 1.5: must be in [0, 1]");
-  CHECK(IsRefused(&O::rut_filter_length_m, 0.5, "rut_filter_length_m"));
-  CHECK(IsRefused(&O::min_track_length_m, 0.0, "min_track_length_m"));
-  CHECK(IsRefused(&O::min_working_width_m, 2.0, "min_working_width_m"));
-  CHECK(IsRefused(&O::max_working_width_m, 101.0, "max_working_width_m"));
-  CHECK(IsRefused(&O::sprayed_margin_m, -1.0, "sprayed_margin_m"));
   CHECK(IsRefused(&O::min_row_strength, std::nan(""), "min_row_strength"));
   CHECK(IsRefused(&O::min_row_spacing_m, 0.0, "min_row_spacing_m"));
   CHECK(IsRefused(&O::max_row_spacing_m, 11.0, "max_row_spacing_m"));
@@ -283,8 +294,6 @@ TEST_CASE("look-alikes: options out of bounds are refused by name") {
   // A range that holds nothing would switch a rule off.
   CHECK(RefusalOf(&O::min_row_spacing_m, 1.0) ==
         "hazard.min_row_spacing_m = 1: must be in [0.1, 0.9]");
-  CHECK(RefusalOf(&O::min_working_width_m, 43.0) ==
-        "hazard.min_working_width_m = 43: must be in [3, 42]");
 }
 
 }  // namespace

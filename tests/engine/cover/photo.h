@@ -16,7 +16,6 @@ using Paint = std::function<Color(const Eigen::Vector2d& place_in_world)>;
 
 // A meadow, and a green of which a share is missing, as in a rut.
 const Color kGreen{62.0, 120.0, 74.0};
-const Color kRut{68.0, 114.0, 90.0};
 // Deviation of the brightness of one cell; that of its colour is smaller by as much.
 constexpr double kNoise = 8.0;
 constexpr double kColorNoiseRatio = 0.25;
@@ -76,19 +75,19 @@ inline double OffMultiple(double value, double spacing) {
 
 // Looks straight down from 100 m over the origin, image top north; the mask covers 100 x 100 m with
 // one pixel per metre.
-inline GrassView NadirView(uint8_t value) {
-  GrassView view;
+inline KindView NadirView(uint8_t value) {
+  KindView view;
   view.world_from_camera.rotation = Eigen::Quaterniond(0, 1, 0, 0);
   view.world_from_camera.translation = {0.0, 0.0, 200.0};
   view.camera.width_px = view.camera.height_px = 400;
   view.camera.fx_px = view.camera.fy_px = 400.0;
   view.camera.cx_px = view.camera.cy_px = 199.5;
-  view.mask = cv::Mat1b(100, 100, value);
-  view.image_px_per_mask_px = 4.0;
+  view.picture.grass = cv::Mat1b(100, 100, value);
+  view.picture.image_px_per_px = 4.0;
   return view;
 }
 
 // As many as it takes to call a cell grass.
-inline std::vector<GrassView> TwoNadirViews(uint8_t value) { return {2, NadirView(value)}; }
+inline std::vector<KindView> TwoNadirViews(uint8_t value) { return {2, NadirView(value)}; }
 
 }  // namespace freelsd::photo

@@ -8,12 +8,12 @@
 namespace freelsd {
 
 inline HazardLayers AssessHazards(const ElevationMap& map,
-                                  const std::vector<GrassView>& grass_views,
+                                  const std::vector<KindView>& kind_views,
                                   const HazardLimits& limits,
                                   const HazardOptions& options,
                                   const Orthophoto& photo = {}) {
   const GroundSurface surface = MeasureSurface(map, options.surface);
-  const GroundCover cover = AssessCover(map, surface, grass_views, options.cover, photo);
+  const GroundCover cover = AssessCover(map, surface, kind_views, options.cover, photo);
   return AssessHazards(map, surface, cover, limits, options).layers;
 }
 

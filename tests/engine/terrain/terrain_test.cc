@@ -276,6 +276,24 @@ TEST_CASE("terrain: deviations of one cell's pairs are told, however sure each p
   CHECK(map.standard_deviation(5, 5) == doctest::Approx(0.15 / std::sqrt(2.0)).epsilon(0.05));
 }
 
+TEST_CASE("terrain: beside a step a cell may be as low as its neighbour, and says so") {
+  constexpr int kHigh = 5;  // the first column on the step
+  constexpr float kGround = 3.0F;
+  const Grid grid = Square(10);
+  const Surface wall = [](double east, double) { return east < kHigh ? kGround : kGround + 9.0; };
+  std::vector<Points> pairs;
+  pairs.reserve(4);
+  for (int i = 0; i < 4; ++i) pairs.push_back(Sample(wall, grid, 3000, 0.05, 10 + i));
+  const ElevationMap map = BuildMap(grid, pairs);
+  // The foot of the step takes a part of its height.
+  REQUIRE(map.elevation(5, kHigh - 1) > kGround + 0.2F);
+  CHECK(map.elevation(5, kHigh - 1) - 3.0F * map.standard_deviation(5, kHigh - 1) < kGround);
+  CHECK(map.elevation(5, kHigh) - 3.0F * map.standard_deviation(5, kHigh) <
+        map.elevation(5, kHigh - 1));
+  CHECK(map.standard_deviation(5, 1) < 0.15F);
+  CHECK(map.standard_deviation(5, 8) < 0.15F);
+}
+
 TEST_CASE("terrain: one wild landmark does not unsettle dense ground") {
   const Grid grid = Square(10);
   const Points dense = Sample(Flat, grid, 3000, 0.1, 1);

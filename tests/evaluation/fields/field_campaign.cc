@@ -11,6 +11,7 @@
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/engine_run.h"
 #include "tests/evaluation/fields/field_records.h"
+#include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
 namespace {
@@ -52,8 +53,8 @@ Json ReadRecords(const FieldCampaignOptions& options) {
 // Gives out flights and takes records, to and from several threads.
 class Campaign {
  public:
-  Campaign(const FieldCampaignOptions& options, const Classifier& classifier)
-      : options_(options), classifier_(classifier), records_(ReadRecords(options)) {
+  explicit Campaign(const FieldCampaignOptions& options)
+      : options_(options), records_(ReadRecords(options)) {
     for (const Json& record : records_) done_.insert(KeyOf(record));
   }
 
@@ -67,6 +68,7 @@ class Campaign {
     const std::string name = NameOfFlight(folder);
     const std::string labels = (std::filesystem::path(options_.labels) / (name + ".txt")).string();
     const std::vector<Outline> outlines = ParseOutlines(ReadTextFile(labels), labels);
+    const GroundModel model = ReadGroundModel(options_.ModelFileOf(name)).model;
     std::optional<RecordedFrames> frames;
     for (const std::string& profile : options_.aircraft) {
       if (done_.contains({name, profile})) continue;
@@ -77,7 +79,7 @@ class Campaign {
                                                *AircraftProfile(profile),
                                                options_.blindings,
                                                ParseOptions(options_.engine_options, "")},
-                                              classifier_);
+                                              model);
       Keep(RecordOf(survey));
     }
   }
@@ -94,7 +96,6 @@ class Campaign {
   }
 
   const FieldCampaignOptions& options_;
-  const Classifier& classifier_;
   // Guards records_, which the jobs share, and the file of the records.
   std::mutex mutex_;
   Json records_;
@@ -104,8 +105,11 @@ class Campaign {
 
 }  // namespace
 
-std::string FieldCampaignOptions::ModelFile() const {
-  return ModelFileFor(ParseOptions(engine_options, ""));
+std::string FieldCampaignOptions::ModelFileOf(const std::string& flight) const {
+  if (!model.empty()) return model;
+  const PipelineOptions options = ParseOptions(engine_options, "");
+  const std::optional<std::string> fold = FoldModelOf(flight);
+  return fold && options.preset != Preset::kPaper ? *fold : ModelFileFor(options);
 }
 
 void FieldCampaignOptions::Check() const {
@@ -120,10 +124,10 @@ void FieldCampaignOptions::Check() const {
   }
 }
 
-Json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier) {
+Json RunFieldCampaign(const FieldCampaignOptions& options) {
   options.Check();
   cv::setNumThreads(1);
-  return Campaign(options, classifier).Run();
+  return Campaign(options).Run();
 }
 
 }  // namespace freelsd

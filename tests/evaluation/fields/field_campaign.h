@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/classification/classification.h"
 #include "tests/evaluation/scores/blinding.h"
 
 namespace freelsd {
@@ -20,6 +19,8 @@ struct FieldCampaignOptions {
   std::vector<Blinding> blindings;
   // As in CampaignOptions.
   nlohmann::json engine_options = nlohmann::json::object();
+  // "": as ModelFileOf says.
+  std::string model;
   // Flights at once; no result depends on it.
   int num_jobs = 1;
   // Report to write after every survey; "" for none.
@@ -29,12 +30,13 @@ struct FieldCampaignOptions {
 
   // Throws std::invalid_argument.
   void Check() const;
-  // As in CampaignOptions.
-  std::string ModelFile() const;
+  // The model given, else the one that learned nothing from the flight's place, else the options'
+  // own.
+  std::string ModelFileOf(const std::string& flight) const;
 };
 
 // {"settings": ..., "surveys": [...]}, by flight and aircraft. Throws std::runtime_error when
 // nothing can be read, or when the report to go on from has other settings.
-nlohmann::json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier);
+nlohmann::json RunFieldCampaign(const FieldCampaignOptions& options);
 
 }  // namespace freelsd

@@ -236,11 +236,11 @@ SiteCounts CountsOf(const std::vector<DistinctSite>& sites) {
   return counts;
 }
 
-FieldSurvey SurveyFields(const FieldSurveyInput& input, const Classifier& classifier) {
+FieldSurvey SurveyFields(const FieldSurveyInput& input, const GroundModel& ground_model) {
   const PipelineOptions options = OptionsFor(input.options, input.aircraft);
   EngineRun run = RunEngine({input.frames.rig, input.frames.frames, input.aircraft},
                             options,
-                            classifier,
+                            ground_model,
                             [](double, const std::string&) { return true; });
   LabelledGround ground = LabelledGroundOf(input.outlines, run.evaluation);
   const auto num_outlines = static_cast<int>(input.outlines.size());

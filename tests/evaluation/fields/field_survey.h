@@ -68,6 +68,6 @@ struct FieldSurveyInput {
 LabelledGround LabelledGroundOf(const std::vector<Outline>& outlines, const Evaluation& evaluation);
 
 // Throws std::runtime_error when the plans for an unknown wind are not those of the engine.
-FieldSurvey SurveyFields(const FieldSurveyInput& input, const Classifier& classifier);
+FieldSurvey SurveyFields(const FieldSurveyInput& input, const GroundModel& ground_model);
 
 }  // namespace freelsd

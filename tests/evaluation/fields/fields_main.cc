@@ -14,8 +14,6 @@ namespace {
 struct Arguments {
   FieldCampaignOptions campaign;
   std::vector<std::string> blind;
-  // "": the one that belongs to the options.
-  std::string model;
 };
 
 void Run(const Arguments& arguments) {
@@ -23,8 +21,7 @@ void Run(const Arguments& arguments) {
   for (const std::string& name : arguments.blind) {
     options.blindings.push_back(BlindingNamed(name).value());
   }
-  const std::string model = arguments.model.empty() ? options.ModelFile() : arguments.model;
-  const auto report = RunFieldCampaign(options, Classifier::Parse(ReadTextFile(model)));
+  const auto report = RunFieldCampaign(options);
   for (const nlohmann::json& survey : report.at("surveys")) {
     std::cout << survey.at("flight") << ", " << survey.at("aircraft") << ": "
               << survey.at("counts").dump() << "\n";
@@ -55,7 +52,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
         campaign.engine_options = nlohmann::json::parse(ReadTextFile(path));
       },
       "JSON file with options of the engine: {preset: name, stage: {field: value}}");
-  app.add_option("--model", arguments.model, "grass classifier, instead of the options' own")
+  app.add_option("--model", campaign.model, "model of the ground, instead of the fold's")
       ->check(CLI::ExistingFile);
 }
 

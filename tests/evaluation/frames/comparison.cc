@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 constexpr double kLowShare = 0.05;
 constexpr double kHighShare = 0.95;
-// Probabilities of photographs that were trained on are all alike.
+// Beside a narrower spread, any difference would look large.
 constexpr double kLeastWidth = 0.01;
 
 double Rounded(double value) {

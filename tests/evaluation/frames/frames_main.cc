@@ -2,12 +2,15 @@
 // Markdown.
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/frames/comparison.h"
@@ -36,7 +39,8 @@ struct Arguments {
   int num_jobs = 1;
   TileOptions tiles;
   std::string json;
-  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+  // Folder for all rendered frames and their covers; none if empty.
+  std::string pictures;
 };
 
 uint64_t FirstSeed(const Arguments& arguments, Pool pool) {
@@ -83,10 +87,9 @@ std::vector<LabelledPicture> ReadAndRender(const Arguments& arguments, Pool pool
 }
 
 TilesOfLooks Measured(const std::vector<LabelledPicture>& pictures, const Arguments& arguments) {
-  const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
   TilesOfLooks tiles;
   for (const LabelledPicture& picture : pictures) {
-    for (const auto& [cover, measures] : MeasureTiles(picture, classifier, arguments.tiles)) {
+    for (const auto& [cover, measures] : MeasureTiles(picture, arguments.tiles)) {
       LookTiles& of_look = tiles[cover][picture.look];
       of_look.measures.insert(of_look.measures.end(), measures.begin(), measures.end());
       ++of_look.num_pictures;
@@ -95,11 +98,25 @@ TilesOfLooks Measured(const std::vector<LabelledPicture>& pictures, const Argume
   return tiles;
 }
 
+// NAME.png and, as an 8-bit image of Cover, NAME_cover.png; at the scale of the comparison.
+void WriteRendered(const std::vector<LabelledPicture>& pictures, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  for (const LabelledPicture& picture : pictures) {
+    if (picture.look == kRecorded) continue;
+    const std::string path = folder + "/" + picture.name;
+    if (!cv::imwrite(path + ".png", picture.image) ||
+        !cv::imwrite(path + "_cover.png", picture.cover)) {
+      throw std::runtime_error("cannot write " + path);
+    }
+  }
+}
+
 void Run(const Arguments& arguments) {
   arguments.tiles.Check();
   cv::setNumThreads(arguments.num_jobs);
   const Pool pool = arguments.pool == NameOf(Pool::kReport) ? Pool::kReport : Pool::kTuning;
   const std::vector<LabelledPicture> pictures = ReadAndRender(arguments, pool);
+  if (!arguments.pictures.empty()) WriteRendered(pictures, arguments.pictures);
   Json report{{"pool", arguments.pool},
               {"ground_sampling_m", arguments.tiles.ground_sampling_m},
               {"lens_blur_px", arguments.lens_blur_px},
@@ -139,7 +156,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--jobs", arguments.num_jobs, "threads; no result depends on it")
       ->check(CLI::Range(1, 64));
   app.add_option("--json", arguments.json, "the same numbers");
-  app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
+  app.add_option("--pictures", arguments.pictures, "folder for all rendered frames and covers");
 }
 
 }  // namespace

@@ -8,11 +8,8 @@
 namespace freelsd {
 namespace {
 
-constexpr size_t kFirstFeature = kBands.size();
-constexpr size_t kNumFeatures = 6;
-constexpr size_t kProbability = kFirstFeature + kNumFeatures;
-constexpr size_t kGreyLevel = kProbability + 1;
-// As the classifier has it: noise in shadows is no texture.
+constexpr size_t kGreyLevel = kBands.size();
+// Noise in shadows is no texture.
 constexpr double kLogOffset = 4.0;
 
 cv::Mat1f BoxSum(const cv::Mat1f& values, int side_px) {
@@ -33,24 +30,11 @@ cv::Mat1f BoxMean(const cv::Mat1f& values, const cv::Mat1f& weights, int side_px
   return mean;
 }
 
-// The same place on the picture that the engine classifies.
-cv::Rect Scaled(const cv::Rect& tile, double scale, const cv::Size& bounds) {
-  const cv::Rect scaled(cvRound(tile.x * scale),
-                        cvRound(tile.y * scale),
-                        cvRound(tile.width * scale),
-                        cvRound(tile.height * scale));
-  return scaled & cv::Rect({0, 0}, bounds);
-}
-
 // Of one picture.
 class TileMeter {
  public:
-  TileMeter(const LabelledPicture& picture, const Classifier& classifier)
-      : picture_(picture),
-        classifier_(classifier),
-        detail_(AtScale(picture, SegmentationOptions().detail_sampling_distance_m).value()),
-        clear_(ImageForFeatures(detail_.image, FeatureSet::kRobust)),
-        log_brightness_(LogBrightness(picture.image)) {}
+  explicit TileMeter(const LabelledPicture& picture)
+      : picture_(picture), log_brightness_(LogBrightness(picture.image)) {}
 
   // Bands of all that lies inside.
   std::array<cv::Mat1f, kBands.size()> BandsOf(const cv::Mat1b& inside) const {
@@ -68,14 +52,6 @@ class TileMeter {
       cv::meanStdDev(bands[i](tile), mean, deviation);
       measures[i] = deviation[0];
     }
-    const double scale = picture_.ground_sampling_m / detail_.ground_sampling_m;
-    const cv::Mat3b piece = clear_(Scaled(tile, scale, clear_.size()));
-    const std::vector<float> features = RegionFeatures(piece,
-                                                       cv::Mat1b(piece.size(), uint8_t{255}),
-                                                       detail_.ground_sampling_m,
-                                                       FeatureSet::kRobust);
-    for (size_t i = 0; i < kNumFeatures; ++i) measures[kFirstFeature + i] = features.at(i);
-    measures[kProbability] = classifier_.Predict(features);
     const cv::Scalar color = cv::mean(picture_.image(tile));
     measures[kGreyLevel] = 0.114 * color[0] + 0.587 * color[1] + 0.299 * color[2];
     return measures;
@@ -83,9 +59,6 @@ class TileMeter {
 
  private:
   const LabelledPicture& picture_;
-  const Classifier& classifier_;
-  LabelledPicture detail_;
-  cv::Mat3b clear_;
   cv::Mat1f log_brightness_;
 };
 
@@ -135,21 +108,13 @@ const std::array<std::string, kNumMeasures>& MeasureNames() {
                                                             "contrast 0.6-1.2 m",
                                                             "contrast 1.2-2.5 m",
                                                             "contrast 2.5-5 m",
-                                                            "excess green",
-                                                            "leaf log deviation",
-                                                            "tuft log deviation",
-                                                            "gap skewness",
-                                                            "log red/green",
-                                                            "log blue/green",
-                                                            "probability of grass",
                                                             "grey level"};
   return kNames;
 }
 
 std::map<Cover, std::vector<Measures>> MeasureTiles(const LabelledPicture& picture,
-                                                    const Classifier& classifier,
                                                     const TileOptions& options) {
-  const TileMeter meter(picture, classifier);
+  const TileMeter meter(picture);
   const int side_px = cvRound(options.tile_m / picture.ground_sampling_m);
   std::map<Cover, std::vector<Measures>> measures;
   for (const Cover cover : kComparedCovers) {

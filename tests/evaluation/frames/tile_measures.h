@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/classification/classification.h"
 #include "tests/evaluation/frames/labelled_picture.h"
 
 namespace freelsd {
@@ -34,7 +33,6 @@ constexpr std::array<Band, 4> kBands{{{0.3, 0.6}, {0.6, 1.2}, {1.2, 2.5}, {2.5, 
 // Side of the box that averages over `size_m`: the nearest odd number of pixels.
 int BoxSidePx(double size_m, double ground_sampling_m);
 
-// Log brightness as the classifier has it.
 cv::Mat1f LogBrightness(const cv::Mat3b& image);
 
 // Mean of log brightness over a box of the band's fine size, less that over a box of its coarse
@@ -44,16 +42,13 @@ cv::Mat1f BandOf(const cv::Mat1f& log_brightness,
                  const Band& band,
                  double ground_sampling_m);
 
-// In the order of MeasureNames(): contrast (standard deviation) in each band, the classifier's
-// robust features, its probability of grass, mean grey level.
-constexpr size_t kNumMeasures = kBands.size() + 8;
+// In the order of MeasureNames(): contrast (standard deviation) in each band, mean grey level.
+constexpr size_t kNumMeasures = kBands.size() + 1;
 using Measures = std::array<double, kNumMeasures>;
 const std::array<std::string, kNumMeasures>& MeasureNames();
 
-// Tiles of each compared cover. The picture has options.ground_sampling_m. Features and probability
-// are those of the scale at which the engine classifies.
+// Tiles of each compared cover. The picture has options.ground_sampling_m.
 std::map<Cover, std::vector<Measures>> MeasureTiles(const LabelledPicture& picture,
-                                                    const Classifier& classifier,
                                                     const TileOptions& options);
 
 }  // namespace freelsd

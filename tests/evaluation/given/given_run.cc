@@ -55,10 +55,10 @@ Evaluation MapWithTruePoses(const Snapshot& snapshot,
   evaluation.block = WithTruePoses(std::move(evaluation.block), truth.scenario);
   const ElevationMap map = ReconstructMap(
       evaluation.block, area, images, options, [](double) {}, evaluation.reports);
-  const std::vector<GrassView> grass_views =
-      AdjustedGrassViews(snapshot, selection.indices, evaluation.block);
+  const std::vector<KindView> kind_views =
+      AdjustedKindViews(snapshot, selection.indices, evaluation.block);
   GroundLayers ground = AssessGround(
-      map, {evaluation.block, grass_views, images}, aircraft, options.hazard, evaluation.reports);
+      map, {evaluation.block, kind_views, images}, aircraft, options.hazard, evaluation.reports);
   evaluation.map = std::move(ground.map);
   evaluation.hazards = std::move(ground.hazards);
   evaluation.cues = std::move(ground.cues);

@@ -9,16 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kMaxNoRegionRatio = 0.5;
-Camera NadirCamera(const cv::Size& size, double focal_px) {
-  Camera camera;
-  camera.width_px = size.width;
-  camera.height_px = size.height;
-  camera.fx_px = camera.fy_px = focal_px;
-  camera.cx_px = 0.5 * (size.width - 1);
-  camera.cy_px = 0.5 * (size.height - 1);
-  return camera;
-}
+constexpr double kMaxNotToldRatio = 0.5;
 
 void CheckOutline(const PlacePhotograph& photograph, const PlacePolygon& polygon) {
   const cv::Size size = photograph.image.size();
@@ -46,42 +37,28 @@ cv::Mat1b MaskOf(const PlacePolygon& polygon, const cv::Size& photograph, const 
   return resampled;
 }
 
-// Sets no_region_ratio and probability.
-void AnswerByRegions(const cv::Mat1b& mask,
-                     const Segments& segments,
-                     const Labels& labels,
-                     PolygonAnswer& answer) {
-  int num_pixels = 0, num_in_region = 0;
+// Sets not_told_ratio and probability. The mask has the size of the picture.
+void Answer(const cv::Mat1b& mask, const KindPicture& picture, PolygonAnswer& answer) {
+  int num_pixels = 0, num_told = 0;
   double sum = 0.0;
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.cols; ++x) {
       if (mask(y, x) == 0) continue;
       ++num_pixels;
-      const int label = segments.labels(y, x);
-      if (label == 0) continue;
-      ++num_in_region;
-      sum += labels[static_cast<size_t>(label - 1)].probability;
+      if (picture.grass(y, x) == 0) continue;
+      ++num_told;
+      sum += (picture.grass(y, x) - 1) / 254.0;
     }
   }
-  answer.no_region_ratio =
-      num_pixels > 0 ? 1.0 - static_cast<double>(num_in_region) / num_pixels : 1.0;
-  if (answer.no_region_ratio <= kMaxNoRegionRatio) answer.probability = sum / num_in_region;
-}
-
-// The regions that the engine finds in the photograph. The camera looks straight down.
-Segments SegmentsOf(const PlacePhotograph& photograph) {
-  // Any height will do: only the ratio of height and focal length matters.
-  constexpr double kHeightM = 100.0;
-  const Camera camera =
-      NadirCamera(photograph.image.size(), kHeightM / photograph.ground_sampling_m);
-  return SegmentFrame(photograph.image, camera, kHeightM, SegmentationOptions{});
+  answer.not_told_ratio = num_pixels > 0 ? 1.0 - static_cast<double>(num_told) / num_pixels : 1.0;
+  if (answer.not_told_ratio <= kMaxNotToldRatio) answer.probability = sum / num_told;
 }
 
 Json ToJson(const PolygonAnswer& answer) {
   Json json{{"id", answer.id},
             {"class", NameOf(answer.surface)},
             {"area_m2", answer.area_m2},
-            {"no_region_ratio", answer.no_region_ratio},
+            {"not_told_ratio", answer.not_told_ratio},
             {"probability", answer.probability ? Json(*answer.probability) : Json()}};
   if (answer.second_opinion) json["second_opinion"] = NameOf(*answer.second_opinion);
   return json;
@@ -89,10 +66,9 @@ Json ToJson(const PolygonAnswer& answer) {
 
 }  // namespace
 
-std::vector<PolygonAnswer> AnswersOf(const PlacePhotograph& photograph,
-                                     const Classifier& classifier) {
-  const Segments segments = SegmentsOf(photograph);
-  const Labels labels = ClassifySegments(segments, classifier, ClassificationOptions{});
+std::vector<PolygonAnswer> AnswersOf(const PlacePhotograph& photograph, const KindModel& model) {
+  const KindPicture picture =
+      KindNetwork(model).Tell(photograph.image, photograph.ground_sampling_m);
   const cv::Size size = photograph.image.size();
   std::vector<PolygonAnswer> answers;
   answers.reserve(photograph.polygons.size());
@@ -103,7 +79,7 @@ std::vector<PolygonAnswer> AnswersOf(const PlacePhotograph& photograph,
     answer.surface = polygon.surface;
     answer.area_m2 = cv::countNonZero(MaskOf(polygon, size, size)) * photograph.ground_sampling_m *
                      photograph.ground_sampling_m;
-    AnswerByRegions(MaskOf(polygon, size, segments.image.size()), segments, labels, answer);
+    Answer(MaskOf(polygon, size, picture.grass.size()), picture, answer);
     answers.push_back(answer);
   }
   return answers;
@@ -121,7 +97,6 @@ Json ToJson(const PhotographAnswers& answers) {
   return {{"place", answers.place},
           {"photograph", answers.photograph},
           {"ground_sampling_m", answers.ground_sampling_m},
-          {"is_coarse", answers.is_coarse},
           {"polygons", polygons}};
 }
 

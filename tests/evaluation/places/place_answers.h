@@ -1,4 +1,4 @@
-// A classifier's answers for the labelled polygons of one photograph.
+// A network's answers for the labelled polygons of one photograph.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/classification/classification.h"
+#include "engine/ground_kind/ground_kind.h"
 #include "tests/evaluation/places/place_labels.h"
 
 namespace freelsd {
@@ -27,10 +27,9 @@ struct PolygonAnswer {
   PlaceClass surface = PlaceClass::kGrass;
   std::optional<PlaceClass> second_opinion;
   double area_m2 = 0.0;
-  // Share of the polygon's pixels that lie in no region of the segmentation.
-  double no_region_ratio = 0.0;
-  // Mean probability of grass over the pixels that lie in a region. Unknown if more than half of
-  // the pixels lie in no region.
+  // Share of the polygon where the network does not tell the kind.
+  double not_told_ratio = 0.0;
+  // Mean probability of grass where the kind is told. Unknown if that is less than half.
   std::optional<double> probability;
 };
 
@@ -38,15 +37,12 @@ struct PhotographAnswers {
   std::string place;
   std::string photograph;
   double ground_sampling_m = 0.0;
-  // True if the photograph is too coarse for the detail that the classifier expects.
-  bool is_coarse = false;
   std::vector<PolygonAnswer> polygons;
 };
 
 // The answers for the polygons, in the order of the labels. Throws std::runtime_error that names
 // the polygon if a polygon lies outside the photograph.
-std::vector<PolygonAnswer> AnswersOf(const PlacePhotograph& photograph,
-                                     const Classifier& classifier);
+std::vector<PolygonAnswer> AnswersOf(const PlacePhotograph& photograph, const KindModel& model);
 
 // Swaps grass and not grass in every answer. A report of swapped answers must look bad.
 void SwapKinds(PhotographAnswers& answers);

@@ -75,18 +75,15 @@ Json RowOf(const Answers& answers) {
   for (const auto& [name, row] : by_class.items()) {
     if (name != NameOf(PlaceClass::kGrass)) num_sure += row.at("num_sure").get<int>();
   }
-  return {
-      {"num_photographs", answers.size()},
-      {"num_coarse_photographs",
-       std::count_if(answers.begin(), answers.end(), [](const auto& a) { return a.is_coarse; })},
-      {"num_polygons", num_polygons - num_disputed},
-      {"num_disputed", num_disputed},
-      {"num_answered", judged.size()},
-      {"error", FigureOrNull(ErrorOf(judged, MinGrassProbability()))},
-      {"auc", FigureOrNull(AreaUnderCurveOf(judged))},
-      {"calibration_error", FigureOrNull(CalibrationErrorOf(judged))},
-      {"num_sure_false_grass", num_sure},
-      {"by_class", by_class}};
+  return {{"num_photographs", answers.size()},
+          {"num_polygons", num_polygons - num_disputed},
+          {"num_disputed", num_disputed},
+          {"num_answered", judged.size()},
+          {"error", FigureOrNull(ErrorOf(judged, MinGrassProbability()))},
+          {"auc", FigureOrNull(AreaUnderCurveOf(judged))},
+          {"calibration_error", FigureOrNull(CalibrationErrorOf(judged))},
+          {"num_sure_false_grass", num_sure},
+          {"by_class", by_class}};
 }
 
 Json RowsOf(const Answers& answers) {

@@ -11,6 +11,7 @@
 #include "tests/evaluation/places/place_cameras.h"
 #include "tests/evaluation/places/place_report.h"
 #include "tests/evaluation/runs/runs.h"
+#include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
 namespace {
@@ -78,15 +79,13 @@ PlacePhotograph Read(const PlaceRunOptions& options,
 }
 
 PhotographAnswers Answer(const PlacePhotograph& photograph,
-                         const Classifier& classifier,
+                         const KindModel& model,
                          const SecondOpinions& opinions) {
   PhotographAnswers answers;
   answers.place = photograph.place;
   answers.photograph = photograph.name;
   answers.ground_sampling_m = photograph.ground_sampling_m;
-  answers.is_coarse =
-      photograph.ground_sampling_m >= SegmentationOptions{}.detail_sampling_distance_m;
-  answers.polygons = AnswersOf(photograph, classifier);
+  answers.polygons = AnswersOf(photograph, model);
   for (PolygonAnswer& answer : answers.polygons) {
     const auto opinion = opinions.find({photograph.place, answer.id});
     if (opinion != opinions.end()) answer.second_opinion = opinion->second;
@@ -99,13 +98,15 @@ PhotographAnswers Answer(const PlacePhotograph& photograph,
 Json RunPlaces(const PlaceRunOptions& options) {
   // The jobs are the threads.
   cv::setNumThreads(1);
-  const Classifier classifier = Classifier::Parse(ReadTextFile(options.model));
   const std::vector<PlaceCamera> cameras = ReadPlaceCameras(options.cameras);
   const SecondOpinions opinions = SecondOpinionsIn(options.labels);
   const std::vector<Work> work = WorkOf(options);
   std::vector<PhotographAnswers> answers(work.size());
   DoAll(work.size(), options.num_jobs, [&](size_t i) {
-    answers[i] = Answer(Read(options, work[i], cameras), classifier, opinions);
+    const std::string file =
+        options.model.empty() ? FoldModelOf(work[i].place).value() : options.model;
+    const KindModel model = std::get<KindModel>(ReadGroundModel(file).model);
+    answers[i] = Answer(Read(options, work[i], cameras), model, opinions);
     if (options.swaps_kinds) SwapKinds(answers[i]);
   });
   return MakePlaceReport(std::move(answers));

@@ -1,4 +1,4 @@
-// Judges a classifier on the photographs of all places, several at once. It only judges and never
+// Judges a ground_model on the photographs of all places, several at once. It only judges and never
 // trains.
 #pragma once
 
@@ -16,7 +16,7 @@ struct PlaceRunOptions {
   std::string labels;
   // File, see place_cameras.h.
   std::string cameras;
-  // File of the classifier.
+  // File of the network; "": each place has that of its fold.
   std::string model;
   // Places to judge. Empty: all that have labels.
   std::vector<std::string> places;

@@ -1,5 +1,5 @@
-// Figures of a classifier on judged polygons: what share is wrong, how well grass is ordered before
-// the rest, how well the probabilities are calibrated.
+// Figures of a ground_model on judged polygons: what share is wrong, how well grass is ordered
+// before the rest, how well the probabilities are calibrated.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 namespace freelsd {
 
 struct JudgedPolygon {
-  // Probability of grass that the classifier gave.
+  // Probability of grass that the ground_model gave.
   double probability = 0.0;
   bool is_grass = false;
 };

@@ -1,5 +1,5 @@
-// freelsd-places: judges a grass classifier on labelled photographs of places that no model has
-// seen. Prints the pooled figures as JSON.
+// freelsd-places: judges a network of ground kinds on labelled photographs of places that no model
+// has seen. Prints the pooled figures as JSON.
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -27,11 +27,13 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   run.photographs = data == nullptr ? "" : std::string(data) + "/places";
   run.labels = folder + "labels";
   run.cameras = folder + "cameras.csv";
-  run.model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
   app.add_option("--photographs", run.photographs, "folder with a folder per place");
   app.add_option("--labels", run.labels, "folder with PLACE.txt for every place");
   app.add_option("--cameras", run.cameras, "ground scale of the photographs");
-  app.add_option("--model", run.model, "the classifier")->check(CLI::ExistingFile);
+  app.add_option("--model",
+                 run.model,
+                 "network of ground kinds, .onnx, instead of the one of the place's fold")
+      ->check(CLI::ExistingFile);
   app.add_option("--place", run.places, "judges only these places");
   app.add_option("--jobs", run.num_jobs, "photographs at once");
   app.add_option("--json", arguments.json, "the whole report");
@@ -55,7 +57,8 @@ int Run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    CLI::App app{"Judges a grass classifier on labelled photographs of places it has not seen."};
+    CLI::App app{
+        "Judges a network of ground kinds on labelled photographs of places it has not seen."};
     freelsd::Arguments arguments;
     freelsd::AddOptions(app, arguments);
     CLI11_PARSE(app, argc, argv);

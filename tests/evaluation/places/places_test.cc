@@ -1,4 +1,4 @@
-// The instrument that judges a classifier on photographs of unseen places.
+// The instrument that judges a ground_model on photographs of unseen places.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -62,7 +62,7 @@ PlaceRunOptions MakePlace(const TemporaryFolder& folder, int num_photographs) {
   options.labels = (folder.path / "labels").string();
   folder.Write("labels/here.txt", labels);
   options.cameras = folder.Write("cameras.csv", "here,,0.5,made so\n");
-  options.model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+  options.model = FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx";
   return options;
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("places: polygons have the area that was drawn, and an answer") {
   constexpr double kMaxErrorM2 = 100.0;
   CHECK(std::abs(polygons.at(0).at("area_m2").get<double>() - 6400.0) < kMaxErrorM2);
   for (const Json& polygon : polygons) {
-    CHECK(polygon.at("no_region_ratio") < 0.1);
+    CHECK(polygon.at("not_told_ratio") < 0.1);
     CHECK(polygon.at("probability").is_number());
   }
   CHECK(report.at("pooled").at("num_polygons") == 2);

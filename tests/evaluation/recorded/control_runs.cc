@@ -115,7 +115,7 @@ std::vector<ControlTrial> PlanControlRuns(size_t num_runs, size_t num_photograph
 
 ControlRun RunControl(const ControlFlight& flight,
                       const ControlTrial& trial,
-                      const Classifier& classifier,
+                      const GroundModel& ground_model,
                       PipelineOptions options) {
   options.adjustment.function_tolerance = trial.function_tolerance;
   RecordedFrames recorded = flight.recorded;
@@ -123,7 +123,7 @@ ControlRun RunControl(const ControlFlight& flight,
   ControlRun run{trial, left_out->id, 0, {}, 0.0};
   recorded.frames.erase(left_out);
   const auto start = std::chrono::steady_clock::now();
-  const RecordedFlight adjusted = AdjustRecordedFlight(recorded, classifier, options);
+  const RecordedFlight adjusted = AdjustRecordedFlight(recorded, ground_model, options);
   const ElevationMap map = MapOfBlock(adjusted, options);
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run.num_in_block = adjusted.block.LargestGroup().size();

@@ -37,7 +37,7 @@ struct ControlFlight {
 
 ControlRun RunControl(const ControlFlight& flight,
                       const ControlTrial& trial,
-                      const Classifier& classifier,
+                      const GroundModel& ground_model,
                       PipelineOptions options);
 
 // Parts of a table in Markdown, each of whole lines: the heading, a row for each run, and the end

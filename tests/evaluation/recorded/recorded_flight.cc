@@ -98,11 +98,11 @@ RecordedFrames ReadRecordedFrames(const std::string& folder) {
 }
 
 RecordedFlight AdjustRecordedFlight(const RecordedFrames& recorded,
-                                    const Classifier& classifier,
+                                    const GroundModel& ground_model,
                                     const PipelineOptions& options) {
   const auto& [frame, rig, frames] = recorded;
   RecordedFlight flight{frame, rig.camera, {}, {}, {}};
-  Frontend frontend(rig, options, classifier);
+  Frontend frontend(rig, options, ground_model);
   for (const Frame& each : frames) {
     flight.images[each.id] = each.image;
     frontend.Process(each);

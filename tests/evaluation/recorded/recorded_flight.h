@@ -31,7 +31,7 @@ struct RecordedFrames {
 // std::runtime_error when nothing can be read there.
 RecordedFrames ReadRecordedFrames(const std::string& folder);
 RecordedFlight AdjustRecordedFlight(const RecordedFrames& recorded,
-                                    const Classifier& classifier,
+                                    const GroundModel& ground_model,
                                     const PipelineOptions& options);
 
 // How far the elevation maps of single pairs differ where they overlap, metres. Pairs are up to 30,

@@ -28,14 +28,6 @@ void CheckPools(const std::vector<std::string>& folders) {
   }
 }
 
-Classifier ReadClassifier(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot read " + path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return Classifier::Parse(text.str());
-}
-
 void PrintFlight(const std::string& name,
                  const RecordedFlight& flight,
                  const PairAgreement& agreement) {
@@ -94,7 +86,7 @@ std::vector<TargetSighting> SightingsIn(const fs::path& folder) {
 }
 
 void Run(const std::vector<std::string>& folders, const std::string& model) {
-  const Classifier classifier = ReadClassifier(model);
+  const GroundModel ground_model = ReadGroundModel(model).model;
   const PipelineOptions options;
   std::puts(
       "| flight | photographs | adjusted | in one block | reprojection px | focal length px | "
@@ -104,7 +96,7 @@ void Run(const std::vector<std::string>& folders, const std::string& model) {
   for (const std::string& folder : folders) {
     const std::string name = fs::path(folder).filename().string();
     const RecordedFlight flight =
-        AdjustRecordedFlight(ReadRecordedFrames(folder), classifier, options);
+        AdjustRecordedFlight(ReadRecordedFrames(folder), ground_model, options);
     PrintFlight(name, flight, AgreementOfPairs(flight, options));
     const fs::path targets = fs::path(folder) / kTargetsFile;
     if (!fs::exists(targets)) continue;
@@ -121,7 +113,7 @@ void Run(const std::vector<std::string>& folders, const std::string& model) {
 void RunControls(const std::vector<std::string>& folders,
                  const std::string& model,
                  size_t num_runs) {
-  const Classifier classifier = ReadClassifier(model);
+  const GroundModel ground_model = ReadGroundModel(model).model;
   for (const std::string& folder : folders) {
     const ControlFlight flight{ReadRecordedFrames(folder),
                                ReadTargets((fs::path(folder) / kTargetsFile).string()),
@@ -130,7 +122,7 @@ void RunControls(const std::vector<std::string>& folders,
     std::vector<ControlRun> runs;
     for (const ControlTrial& trial : PlanControlRuns(num_runs, flight.recorded.frames.size())) {
       std::fflush(stdout);
-      runs.push_back(RunControl(flight, trial, classifier, PipelineOptions{}));
+      runs.push_back(RunControl(flight, trial, ground_model, PipelineOptions{}));
       std::fputs(ControlRow(runs.back()).c_str(), stdout);
     }
     std::fputs(ControlEnd(runs).c_str(), stdout);
@@ -139,13 +131,13 @@ void RunControls(const std::vector<std::string>& folders,
 
 // What the whole of the engine costs on stored flights, stage by stage.
 void RunStages(const std::vector<std::string>& folders, const std::string& model) {
-  const Classifier classifier = ReadClassifier(model);
+  const GroundModel ground_model = ReadGroundModel(model).model;
   std::puts("| flight | photographs | stage | times | seconds |\n|---|---|---|---|---|");
   for (const std::string& folder : folders) {
     const std::string name = fs::path(folder).filename().string();
     const RecordedFrames flight = ReadRecordedFrames(folder);
     const Evaluation evaluation =
-        Detect(flight.rig, flight.frames, Aircraft{}, PipelineOptions{}, classifier);
+        Detect(flight.rig, flight.frames, Aircraft{}, PipelineOptions{}, ground_model);
     std::map<std::string, std::pair<int, double>> stages;
     for (const StageReport& report : evaluation.reports) {
       auto& [num_times, seconds] = stages[report.stage];
@@ -170,11 +162,11 @@ int main(int argc, char** argv) {
   try {
     CLI::App app{"Fits the poses of recorded flights and prints how well they fit, as Markdown."};
     std::vector<std::string> folders;
-    std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+    std::string model = FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx";
     app.add_option("FLIGHT", folders, "folders with images/ and perhaps poses.csv")
         ->required()
         ->check(CLI::ExistingDirectory);
-    app.add_option("--model", model, "the classifier")->check(CLI::ExistingFile);
+    app.add_option("--model", model, "network of ground kinds, .onnx")->check(CLI::ExistingFile);
     bool is_timed = false;
     app.add_flag("--stages", is_timed, "prints instead what each stage of the engine costs");
     size_t num_control_runs = 0;

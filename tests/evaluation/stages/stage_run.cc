@@ -19,7 +19,7 @@
 namespace freelsd {
 namespace {
 
-constexpr const char* kModelFile = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+constexpr const char* kModelFile = FREELSD_SOURCE_DIR "/engine/ground_kind/ground_kind.onnx";
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::string ReadFile(const std::filesystem::path& path) {
@@ -71,7 +71,7 @@ StageRecords RecordsOf(const Snapshot& snapshot) {
       points.values.push_back(observation.point_in_image.y());
     }
     Append(poses.values, snapshot.views[i].world_from_camera);
-    masks.values.push_back(DigestOf(snapshot.grass_masks[i].Unpack()));
+    masks.values.push_back(DigestOf(snapshot.kinds[i].grass));
   }
   for (const Candidate& candidate : snapshot.regions) {
     Append(regions.values, candidate.region.Center());
@@ -120,7 +120,7 @@ std::vector<std::string> FrameIds(const FlightFolder& flight) {
 }
 
 Snapshot RunFrontend(const FlightFolder& flight) {
-  Frontend frontend(flight.rig, flight.options, Classifier::Parse(ReadFile(kModelFile)));
+  Frontend frontend(flight.rig, flight.options, ReadGroundModel(kModelFile).model);
   for (const Frame& frame : flight.frames) frontend.Process(frame);
   frontend.Flush();
   return frontend.TakeSnapshot();
@@ -149,18 +149,20 @@ std::vector<Plan> PlansOf(const Snapshot& snapshot,
 
 // Of the key-frames, at the heights of the block.
 StageRecords SegmentsAlone(const FlightFolder& flight, const AdjustedBlock& block) {
-  const Classifier classifier = Classifier::Parse(ReadFile(kModelFile));
+  KindNetwork network(std::get<KindModel>(ReadGroundModel(kModelFile).model));
   const PipelineOptions& options = flight.options;
   const ImageSource images = ImagesOf(flight);
   StageRecord labels{"segmentation alone", "digest of the labels", {}};
   StageRecord areas{"segmentation alone", "segments, m2", {}};
   StageRecord grass{"classification alone", "grass, probability", {}};
   for (const AdjustedView& view : block.views) {
-    const Segments segments = SegmentFrame(
-        images(view.frame_id), flight.rig.camera, view.height_above_ground, options.segmentation);
+    const cv::Mat image = images(view.frame_id);
+    const double height = view.height_above_ground;
+    const Segments segments = SegmentFrame(image, flight.rig.camera, height, options.segmentation);
+    const KindPicture kinds = network.Tell(image, height / flight.rig.camera.MeanFocalPx());
     labels.values.push_back(DigestOf(segments.labels));
     for (const Segment& segment : segments.segments) areas.values.push_back(segment.area_m2);
-    for (const Label& label : ClassifySegments(segments, classifier, options.classification)) {
+    for (const Label& label : LabelsOf(segments, kinds, options.classification)) {
       grass.values.push_back(label.probability);
     }
   }
@@ -204,9 +206,9 @@ StageRecords RunStages(const FlightFolder& flight) {
   const ElevationMap map = ReconstructMap(
       block, area, images, options, [](double) {}, reports);
   Append(records, RecordsOf(map));
-  const std::vector<GrassView> grass_views = AdjustedGrassViews(snapshot, selection.indices, block);
+  const std::vector<KindView> kind_views = AdjustedKindViews(snapshot, selection.indices, block);
   const GroundLayers ground =
-      AssessGround(map, {block, grass_views, images}, flight.aircraft, options.hazard, reports);
+      AssessGround(map, {block, kind_views, images}, flight.aircraft, options.hazard, reports);
   Append(records, RecordsOf(ground.hazards));
   Append(records, RecordsOf(PlansOf(snapshot, ground, flight)));
   return records;

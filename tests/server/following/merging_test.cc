@@ -319,7 +319,26 @@ TEST_CASE("merging: what another clock takes for expired stays until it is by th
   CHECK(server.storage.obstacles.Find("wire"));
 }
 
-TEST_CASE("maps as bytes: the same on both servers, and cut or changed bytes are refused") {
+// Some bits of a deflated part do not change what it inflates to.
+bool IsRefusedOrTheSameGround(const std::string& bytes, const TakenMap& expected) {
+  const auto content = [](const std::string& tile) {
+    return SerializeTile(DeserializeTile(tile, GridOf({0, 0, 0}, 1.0), TileLayers::kWithCues));
+  };
+  try {
+    const TakenMap taken = ParseMapBytes(bytes, expected.map.id);
+    return std::equal(taken.tiles.begin(),
+                      taken.tiles.end(),
+                      expected.tiles.begin(),
+                      expected.tiles.end(),
+                      [&](const auto& a, const auto& b) {
+                        return a.first == b.first && content(a.second) == content(b.second);
+                      });
+  } catch (const ApiError&) {
+    return true;
+  }
+}
+
+TEST_CASE("maps as bytes: the same on both servers, and cut bytes and changed ground are refused") {
   const ToldFlight flight = Fly({.id = "a", .seen_at_us = kFirst});
   const std::string& bytes = flight.map_bytes.at("a/1");
   Server server;
@@ -335,7 +354,7 @@ TEST_CASE("maps as bytes: the same on both servers, and cut or changed bytes are
     const size_t tiles = bytes.find('\n', bytes.find('\n') + 1) + 1;
     std::string changed = bytes;
     changed[tiles + (bytes.size() - tiles) * i / 40] ^= 0x20;
-    CHECK_THROWS_AS(ParseMapBytes(changed, "a/1"), ApiError);
+    CHECK(IsRefusedOrTheSameGround(changed, taken));
   }
 }
 

@@ -98,7 +98,8 @@ TEST_CASE("flight map: its layers are listed with absolute addresses that work")
                                  "distance",
                                  "height_sd",
                                  "coverage",
-                                 "risk"}) {
+                                 "risk",
+                                 "kind"}) {
     CAPTURE(name);
     CHECK(std::find(names.begin(), names.end(), name) != names.end());
   }
@@ -167,9 +168,8 @@ TEST_CASE("site layers: hazard shows the obstacles that reject the site") {
   const auto hazards = [&meadow](const std::string& ending) {
     const auto answer = meadow.client->Get("/v1/sites/f-r1/layers/hazard" + ending);
     REQUIRE(answer->status == 200);
-    const cv::Mat decoded =
-        cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
-                     ending == ".tif" ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR);
+    cv::Mat decoded = cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
+                                   ending == ".tif" ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR);
     REQUIRE_FALSE(decoded.empty());
     return decoded;
   };

@@ -21,8 +21,8 @@ OpenFlights::SessionPointer SomeSession() {
   flight.id = std::string("f");
   flight.request_json = ParseFlightRequest(R"({"name":"x"})").canonical_json;
   flight.rig_json = FlightRigJson(flight_rig);
-  const Classifier classifier = Classifier::Parse(text);
-  return std::make_shared<FlightSession>(flight, Classifiers{classifier, classifier});
+  const GroundModel ground_model = Classifier::Parse(text);
+  return std::make_shared<FlightSession>(flight, GroundModels{ground_model, ground_model});
 }
 
 TEST_CASE(

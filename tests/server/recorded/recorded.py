@@ -294,7 +294,7 @@ def main():
     arguments = parse_arguments()
     tools = SimpleNamespace(server=arguments.build / "server/freelsd-server",
                             render=arguments.build / "tests/freelsd-render", clock=arguments.clock,
-                            model=ROOT / "engine/classification/grass_model.yml", photographs=arguments.photographs)
+                            model=ROOT / "engine/ground_kind/ground_kind.onnx", photographs=arguments.photographs)
     made, num_different, num_other_heads = {}, 0, 0
     names = arguments.parts.split(",")
     if not set(names) <= set(PARTS):

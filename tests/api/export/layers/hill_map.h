@@ -33,14 +33,14 @@ inline SiteMap HillMap() {
     }
   }
   map.upper = map.elevation + 0.2;
-  GrassView view;
+  KindView view;
   view.world_from_camera.rotation = Eigen::Quaterniond(0, 1, 0, 0);
   view.world_from_camera.translation = {10.0, 10.0, 102.0};
   view.camera.width_px = view.camera.height_px = 200;
   view.camera.fx_px = view.camera.fy_px = 200.0;
   view.camera.cx_px = view.camera.cy_px = 99.5;
-  view.mask = cv::Mat1b(200, 200, 255);
-  view.mask.colRange(140, 200).setTo(1);
+  view.picture.grass = cv::Mat1b(200, 200, 255);
+  view.picture.grass.colRange(140, 200).setTo(1);
   layers = AssessHazards(map, {view, view}, {}, {});
   return site_map;
 }

@@ -82,6 +82,7 @@ TEST_CASE("map tile: a map that is cut, stored and put together again is the sam
   CHECK(IsSame(layers.slope, hill.site_map.layers.slope));
   CHECK(IsSame(layers.roughness, hill.site_map.layers.roughness));
   CHECK(IsSame(layers.grass, hill.site_map.layers.grass));
+  CHECK(IsSame(layers.kind, hill.site_map.layers.kind));
   CHECK(IsSame(layers.hazard, hill.site_map.layers.hazard));
   CHECK(IsSame(whole.coverage, hill.coverage));
   REQUIRE(whole.cues.size() == 2);
