@@ -18,18 +18,28 @@
 namespace freelsd {
 namespace {
 
+constexpr std::string_view kPoses = "/poses/";
+
+// An error of a table as people read it: "2" and "\"lat\" is needed and empty".
+struct LineError {
+  explicit LineError(const FieldError& field) {
+    const std::string at = field.pointer.substr(std::min(field.pointer.size(), kPoses.size()));
+    const size_t slash = std::min(at.find('/'), at.size());
+    line = at.substr(0, slash);
+    reason = (slash < at.size() ? "\"" + at.substr(slash + 1) + "\" " : "") + field.detail;
+  }
+  std::string line;
+  std::string reason;
+};
+
 // Values and lines that are left out, told once for each reason.
 class LeftOut {
  public:
   void Add(const ApiError& error, const std::string& what) {
     errors_.insert(errors_.end(), error.errors().begin(), error.errors().end());
-    const FieldError& field = error.errors().at(0);
-    const std::string at = field.pointer.substr(std::min(field.pointer.size(), kPoses.size()));
-    const size_t slash = std::min(at.find('/'), at.size());
-    std::string reason = slash < at.size() ? "\"" + at.substr(slash + 1) + "\" " : "";
-    reason += field.detail + what;
-    Reason& told = reasons_[reason];
-    if (told.num++ == 0) told.first_line = at.substr(0, slash);
+    const LineError first(error.errors().at(0));
+    Reason& told = reasons_[first.reason + what];
+    if (told.num++ == 0) told.first_line = first.line;
   }
   const std::vector<FieldError>& errors() const { return errors_; }
   void AddTo(std::vector<std::string>& warnings) const {
@@ -46,7 +56,6 @@ class LeftOut {
     size_t num = 0;
     std::string first_line;
   };
-  static constexpr std::string_view kPoses = "/poses/";
   static constexpr size_t kMaxNumWarnings = 200;
   std::map<std::string, Reason> reasons_;
   std::vector<FieldError> errors_;
@@ -125,7 +134,10 @@ PoseFile ParseTable(std::string_view text, const SideContext& context) {
   std::vector<FieldError> errors = left_out.errors();
   if (errors.empty()) errors = {{"/poses", file.warnings.back()}};
   errors.resize(std::min(errors.size(), kLimits.answer.max_num_listed_errors));
-  throw ApiError("InvalidPoses", errors[0].detail, errors);
+  const LineError first(errors[0]);
+  throw ApiError("InvalidPoses",
+                 first.line.empty() ? first.reason : "line " + first.line + ": " + first.reason,
+                 errors);
 }
 
 std::pair<std::string, FrameMeta> ParseNdjsonLine(const std::string& text, int number) {

@@ -56,7 +56,7 @@ Altitude AltitudeOrTag(const PoseLine& line, const std::string& image_id) {
     return {tag->second.position->altitude_m, tag->second.altitude_datum};
   }
   throw InvalidPose(line.Pointer(PoseField::kAltitude),
-                    "is needed and empty, and the photograph's own tags have no altitude");
+                    "has no value (z), and the photograph's own tags have no altitude");
 }
 
 GeoPoint FromXAndY(const PoseLine& line) {

@@ -145,7 +145,8 @@ RouteRequest ParseRouteRequest(const nlohmann::json& object) {
     throw InvalidValue("/airspeed_mps",
                        reader.Find("plan") == nullptr
                            ? "is missing"
-                           : "is missing: the plan has no cruise speed, so the query must have it");
+                           : "airspeed_mps is missing: the plan has no cruise speed, so the query "
+                             "must have it");
   }
   request.airspeed_mps = *airspeed_mps;
   return request;

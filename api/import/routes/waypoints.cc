@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::string_view kBegin = "QGC WPL";
 constexpr size_t kNumColumns = 12;
+constexpr int kChangeSpeed = 178;
 
 std::array<double, kNumColumns> NumbersIn(std::string_view line, int number) {
   std::array<double, kNumColumns> numbers{};
@@ -51,6 +52,7 @@ nlohmann::json PlanOfWaypoints(std::string_view bytes) {
   std::string_view rest = text;
   nlohmann::json items = nlohmann::json::array();
   nlohmann::json home;
+  nlohmann::json cruise_speed_mps;
   for (int number = 1; !rest.empty(); ++number) {
     const size_t end = std::min(rest.find('\n'), rest.size());
     const std::string_view line = Trimmed(rest.substr(0, end));
@@ -63,13 +65,20 @@ nlohmann::json PlanOfWaypoints(std::string_view bytes) {
       home = {n[8], n[9], is_set ? nlohmann::json(n[10]) : nlohmann::json()};
       continue;
     }
+    const bool is_airspeed = WholeOf(n[3]) == kChangeSpeed && n[4] == 0.0 && n[5] > 0.0;
+    if (is_airspeed && cruise_speed_mps.is_null()) {
+      cruise_speed_mps = n[5];
+      continue;
+    }
     items.push_back({{"type", "SimpleItem"},
                      {"frame", WholeOf(n[2])},
                      {"command", WholeOf(n[3])},
                      {"params", {n[4], n[5], n[6], n[7], n[8], n[9], n[10]}}});
   }
   if (home.is_null()) throw InvalidValue("line 2", "the file has no waypoints");
-  return {{"fileType", "Plan"}, {"mission", {{"plannedHomePosition", home}, {"items", items}}}};
+  return {{"fileType", "Plan"},
+          {"mission",
+           {{"plannedHomePosition", home}, {"cruiseSpeed", cruise_speed_mps}, {"items", items}}}};
 }
 
 }  // namespace freelsd

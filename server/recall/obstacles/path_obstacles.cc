@@ -6,6 +6,7 @@
 #include "server/recall/emergency_request.h"
 #include "server/recall/obstacles/obstacles.h"
 #include "server/recall/recall_sites.h"
+#include "server/recall/terrain_margin.h"
 
 namespace freelsd {
 namespace {
@@ -138,15 +139,19 @@ void CheckHard(const StoredSites& stored,
   if (is_top_unknown) found.of_unknown_top.push_back(given.id);
 }
 
-// Bounds in the request's datum, widened by what the datums leave unknown.
-// Heights above ground count from the altitude of the touchdown.
-bool IsWithinHeights(const GivenObstacle& airspace,
-                     double altitude_m,
-                     double ground_m,
-                     const AltitudeReference& request) {
-  const double height_m = altitude_m - ground_m;
+bool HasHeightsAboveGround(const GivenObstacle& airspace) {
+  return airspace.floor_above_ground_m || airspace.ceiling_above_ground_m;
+}
+
+bool IsWithinHeightsAboveGround(const GivenObstacle& airspace, double height_m) {
   if (airspace.ceiling_above_ground_m && height_m > *airspace.ceiling_above_ground_m) return false;
-  if (airspace.floor_above_ground_m && height_m < *airspace.floor_above_ground_m) return false;
+  return !airspace.floor_above_ground_m || height_m >= *airspace.floor_above_ground_m;
+}
+
+// Bounds in the request's datum, widened by what the datums leave unknown.
+bool IsWithinAltitudes(const GivenObstacle& airspace,
+                       double altitude_m,
+                       const AltitudeReference& request) {
   if (airspace.ceiling_m && altitude_m > AltitudeIn(airspace, *airspace.ceiling_m, request)) {
     return false;
   }
@@ -162,15 +167,22 @@ bool IsWithinHeights(const GivenObstacle& airspace,
   return altitude_m >= floor_m;
 }
 
-bool Enters(const std::vector<GeoPoint>& path,
-            const KnownObstacle& airspace,
-            const AltitudeReference& request) {
-  const double ground_m = path.back().altitude_m;
+// Heights above ground count from the stored maps' ground; where they show none, from the
+// touchdown's altitude.
+bool Enters(const StoredSites& stored,
+            const EmergencyRequest& request,
+            const std::vector<GeoPoint>& path,
+            const GivenObstacle& airspace) {
+  const std::vector<MapBelow> maps = HasHeightsAboveGround(airspace)
+                                         ? MapsBelow(stored, request, path)
+                                         : std::vector<MapBelow>{};
+  const AltitudeReference reference = ReferenceOf(request);
   bool is_inside = false;
   March(path, kAirspaceStepM, [&](const GeoPoint& place) {
-    const double distance_m = NearestOf(airspace.given, place).distance_m;
-    if (distance_m == 0.0 && IsWithinHeights(airspace.given, place.altitude_m, ground_m, request)) {
-      is_inside = true;
+    const double distance_m = NearestOf(airspace, place).distance_m;
+    if (distance_m == 0.0 && IsWithinAltitudes(airspace, place.altitude_m, reference)) {
+      const double ground_m = GroundAltitudeAt(maps, place).value_or(path.back().altitude_m);
+      is_inside = IsWithinHeightsAboveGround(airspace, place.altitude_m - ground_m);
     }
     return is_inside ? HUGE_VAL : distance_m;
   });
@@ -207,7 +219,7 @@ PathObstacles ObstaclesAlong(const StoredSites& stored,
     if (obstacle->given.kind == ObstacleKind::kWiresKnown) continue;
     if (obstacle->IsHard()) {
       CheckHard(stored, request, path, *obstacle, found);
-    } else if (Enters(whole, *obstacle, ReferenceOf(request))) {
+    } else if (Enters(stored, request, whole, obstacle->given)) {
       const GivenObstacle& given = obstacle->given;
       found.airspaces.push_back(given.id);
       found.airspace_names.push_back(given.name.empty() ? given.id : given.name);

@@ -215,6 +215,11 @@ TEST_CASE("route request: waypoints of Mission Planner are a plan") {
   CHECK(request.route[1].altitude_m == 580.0);
   CHECK(request.route[1].longitude_deg == 8.47);
   CHECK(request.altitude_datum == "amsl");
+  CHECK(request.airspeed_mps == 15.0);
+  const std::string speeds =
+      "3 0 0 178 1 9 0 0 0 0 0 1\r\n4 0 0 178 0 18 0 0 0 0 0 1\r\n5 0 0 178 0 20 0 0 0 0 0 1\r\n";
+  CHECK(ParseRouteRequest({{"plan", PlanOfWaypoints(text + speeds)}}).airspeed_mps == 18.0);
+  CheckRefused("/airspeed_mps", [&] { ParseRouteRequest({{"plan", PlanOfWaypoints(text)}}); });
   std::string blanks = "\xEF\xBB\xBF" + text;
   std::replace(blanks.begin(), blanks.end(), '\t', ' ');
   CHECK(parse(blanks).route.size() == 2);
