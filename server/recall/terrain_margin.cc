@@ -133,8 +133,7 @@ std::vector<MapBelow> MapsBelow(const StoredSites& stored,
   for (const auto& row : MapsAlong(stored, path)) {
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
     if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
-    maps.push_back(
-        {terrain, DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain))});
+    maps.push_back({terrain, DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain))});
   }
   return maps;
 }

@@ -19,13 +19,13 @@ struct KnownExtension {
   FileKind kind;
 };
 constexpr std::array<KnownExtension, 21> kKnownExtensions{{
-    {"jpg", FileKind::kImage},      {"jpeg", FileKind::kImage},      {"png", FileKind::kImage},
-    {"csv", FileKind::kSideFile},   {"txt", FileKind::kSideFile},    {"json", FileKind::kSideFile},
-    {"jsonl", FileKind::kSideFile}, {"mrk", FileKind::kSideFile}, {"ndjson", FileKind::kSideFile}, {"yaml", FileKind::kSideFile},
-    {"yml", FileKind::kSideFile},   {"tif", FileKind::kUnread},      {"tiff", FileKind::kUnread},
-    {"las", FileKind::kUnread},     {"laz", FileKind::kUnread},      {"ply", FileKind::kUnread},
-    {"obj", FileKind::kUnread},     {"pdf", FileKind::kUnread},      {"mp4", FileKind::kUnread},
-    {"mov", FileKind::kUnread},     {"dng", FileKind::kUnread},
+    {"jpg", FileKind::kImage},      {"jpeg", FileKind::kImage},   {"png", FileKind::kImage},
+    {"csv", FileKind::kSideFile},   {"txt", FileKind::kSideFile}, {"json", FileKind::kSideFile},
+    {"jsonl", FileKind::kSideFile}, {"mrk", FileKind::kSideFile}, {"ndjson", FileKind::kSideFile},
+    {"yaml", FileKind::kSideFile},  {"yml", FileKind::kSideFile}, {"tif", FileKind::kUnread},
+    {"tiff", FileKind::kUnread},    {"las", FileKind::kUnread},   {"laz", FileKind::kUnread},
+    {"ply", FileKind::kUnread},     {"obj", FileKind::kUnread},   {"pdf", FileKind::kUnread},
+    {"mp4", FileKind::kUnread},     {"mov", FileKind::kUnread},   {"dng", FileKind::kUnread},
 }};
 
 }  // namespace

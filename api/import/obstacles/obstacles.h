@@ -61,9 +61,9 @@ ImportedObstacles ParseObstacles(const std::string& text);
 // True if the feature has OpenStreetMap's tags and no kind of ours.
 bool IsOpenStreetMap(const nlohmann::json& feature);
 // OpenStreetMap's power lines, aerial ways, towers, masts, poles, chimneys and wind turbines as
-// wires and masts. Where a height is not tagged, that of its kind is taken, rather too high than too
-// low; a warning tells which. All other features are left out with a warning. The collection's bbox,
-// or else the box around all its features, becomes an area of kWiresKnown.
+// wires and masts. Where a height is not tagged, that of its kind is taken, rather too high than
+// too low; a warning tells which. All other features are left out with a warning. The collection's
+// bbox, or else the box around all its features, becomes an area of kWiresKnown.
 ImportedObstacles ImportOpenStreetMap(const nlohmann::json& collection);
 // True if the text begins as OpenAir does: a comment, or a command that begins an airspace.
 bool IsOpenAir(std::string_view text);

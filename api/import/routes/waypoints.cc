@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::string_view kBegin = "QGC WPL";
 constexpr size_t kNumColumns = 12;
-constexpr int kChangeSpeed = 178;
+// MAVLink: MAV_CMD_DO_CHANGE_SPEED.
+constexpr int kSpeedCommand = 178;
 
 std::array<double, kNumColumns> NumbersIn(std::string_view line, int number) {
   std::array<double, kNumColumns> numbers{};
@@ -65,7 +66,7 @@ nlohmann::json PlanOfWaypoints(std::string_view bytes) {
       home = {n[8], n[9], is_set ? nlohmann::json(n[10]) : nlohmann::json()};
       continue;
     }
-    const bool is_airspeed = WholeOf(n[3]) == kChangeSpeed && n[4] == 0.0 && n[5] > 0.0;
+    const bool is_airspeed = WholeOf(n[3]) == kSpeedCommand && n[4] == 0.0 && n[5] > 0.0;
     if (is_airspeed && cruise_speed_mps.is_null()) {
       cruise_speed_mps = n[5];
       continue;

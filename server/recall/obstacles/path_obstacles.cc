@@ -173,9 +173,8 @@ bool Enters(const StoredSites& stored,
             const EmergencyRequest& request,
             const std::vector<GeoPoint>& path,
             const GivenObstacle& airspace) {
-  const std::vector<MapBelow> maps = HasHeightsAboveGround(airspace)
-                                         ? MapsBelow(stored, request, path)
-                                         : std::vector<MapBelow>{};
+  const std::vector<MapBelow> maps =
+      HasHeightsAboveGround(airspace) ? MapsBelow(stored, request, path) : std::vector<MapBelow>{};
   const AltitudeReference reference = ReferenceOf(request);
   bool is_inside = false;
   March(path, kAirspaceStepM, [&](const GeoPoint& place) {
