@@ -1,10 +1,9 @@
 #include "api/import/images/image_position.h"
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
-#include <iterator>
+
+#include "api/import/number_text.h"
 
 namespace freelsd {
 namespace {
@@ -135,11 +134,8 @@ struct DjiAltitude {
 
 // Pix4D's tag, which Sequoia, MicaSense and eMotion write too: "ellipsoidal", "EGM96", ...
 std::optional<std::string> DatumOfVerticalSystem(const std::string& name) {
-  const auto has = [&name](std::string_view word) {
-    return std::search(name.begin(), name.end(), word.begin(), word.end(), [](char a, char b) {
-             return std::tolower(static_cast<unsigned char>(a)) == b;
-           }) != name.end();
-  };
+  const std::string lower = InLowerCase(name);
+  const auto has = [&lower](const char* word) { return lower.find(word) != std::string::npos; };
   if (has("ellips")) return "ellipsoid";
   if (has("egm") || has("msl") || has("sea level")) return "amsl";
   return std::nullopt;

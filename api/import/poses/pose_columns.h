@@ -60,6 +60,15 @@ constexpr std::array<PoseField, 4> kQuaternionFields{PoseField::kQuaternionW,
                                                      PoseField::kQuaternionY,
                                                      PoseField::kQuaternionZ};
 
+// Angles that are 0, 0, 0 where nobody measured them.
+constexpr std::array<PoseField, 7> kAngleFields{PoseField::kRoll,
+                                                PoseField::kPitch,
+                                                PoseField::kYaw,
+                                                PoseField::kImageUpHeading,
+                                                PoseField::kGimbalRoll,
+                                                PoseField::kGimbalPitch,
+                                                PoseField::kGimbalYaw};
+
 // Name of a field in openapi.yaml.
 std::string_view NameOf(PoseField field);
 // The field's pointer in a frame's meta ("/position/latitude_deg"); empty if meta has no such key.

@@ -190,13 +190,7 @@ FrameMeta ParseMetaOfLine(nlohmann::json meta, const PoseLine& line, const Leave
 
 bool HasZeroAngles(const PoseLine& line) {
   bool has_any = false;
-  for (const PoseField field : {PoseField::kRoll,
-                                PoseField::kPitch,
-                                PoseField::kYaw,
-                                PoseField::kImageUpHeading,
-                                PoseField::kGimbalRoll,
-                                PoseField::kGimbalPitch,
-                                PoseField::kGimbalYaw}) {
+  for (const PoseField field : kAngleFields) {
     const std::optional<std::string> text = line.Text(field);
     if (!text) continue;
     has_any = true;

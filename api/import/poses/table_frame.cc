@@ -57,18 +57,22 @@ double DegreesBetween(const GeoPoint& a, const GeoPoint& b) {
                     std::remainder(a.longitude_deg - b.longitude_deg, 360.0));
 }
 
-// The median size of the column's numbers; nothing if it has none.
-std::optional<double> MedianSize(const TableFrame& frame, const Table& table, PoseField field) {
+// Sizes of the column's numbers, degrees; zeros if it has none.
+struct Sizes {
+  double median = 0.0;
+  double largest = 0.0;
+};
+
+Sizes SizesOf(const TableFrame& frame, const Table& table, PoseField field) {
   std::vector<double> sizes;
   for (const TableLine& line : table.lines) {
     const std::optional<std::string> text = PoseLine(frame, line).Text(field);
     const std::optional<double> number = text ? NumberFromText(*text) : std::nullopt;
     if (number) sizes.push_back(std::abs(*number));
   }
-  if (sizes.empty()) return std::nullopt;
-  const auto middle = sizes.begin() + static_cast<long>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
+  if (sizes.empty()) return {};
+  std::sort(sizes.begin(), sizes.end());
+  return {sizes[sizes.size() / 2], sizes.back()};
 }
 
 void RemoveAngles(PoseColumns& header, const std::string& why) {
@@ -83,29 +87,19 @@ void RemoveAngles(PoseColumns& header, const std::string& why) {
 // angles below the same names.
 void CheckAngles(const Table& table, TableFrame& frame) {
   PoseColumns& header = frame.header;
-  const auto size = [&](PoseField field) { return MedianSize(frame, table, field); };
-  const double roll = size(PoseField::kRoll).value_or(0.0);
-  const double pitch = size(PoseField::kPitch).value_or(0.0);
+  const Sizes roll = SizesOf(frame, table, PoseField::kRoll);
+  const Sizes pitch = SizesOf(frame, table, PoseField::kPitch);
   const auto heading = header.Has(PoseField::kYaw) ? PoseField::kYaw : PoseField::kImageUpHeading;
-  const double yaw = size(heading).value_or(0.0);
-  const auto largest = [&](PoseField field) {
-    double largest_deg = 0.0;
-    for (const TableLine& line : table.lines) {
-      const auto text = PoseLine(frame, line).Text(field);
-      largest_deg =
-          std::max(largest_deg, std::abs(text ? NumberFromText(*text).value_or(0.0) : 0.0));
-    }
-    return largest_deg;
-  };
+  const double yaw = SizesOf(frame, table, heading).median;
   const bool is_headless = !table.header;
-  const bool is_tilted = roll > kMaxTiltDeg ||
-                         (is_headless && largest(PoseField::kRoll) > kMaxTiltDeg) ||
-                         (is_headless && largest(PoseField::kPitch) > kMaxTiltDeg);
+  const bool is_tilted = roll.median > kMaxTiltDeg ||
+                         (is_headless && std::max(roll.largest, pitch.largest) > kMaxTiltDeg);
   // Kappa, in one direction of flight.
-  const bool is_kappa = is_headless && roll > 0.0 && (roll > kMaxSteadyRollDeg || yaw <= roll);
+  const bool is_kappa = is_headless && roll.median > 0.0 &&
+                        (roll.median > kMaxSteadyRollDeg || yaw <= roll.median);
   if (is_tilted || is_kappa) {
     RemoveAngles(header, "the angles are no yaw, pitch, roll (omega, phi, kappa?)");
-  } else if (pitch > kMaxTiltDeg && header.Has(PoseField::kYaw)) {
+  } else if (pitch.median > kMaxTiltDeg && header.Has(PoseField::kYaw)) {
     for (const auto& [from, to] : {std::pair{PoseField::kRoll, PoseField::kGimbalRoll},
                                    {PoseField::kPitch, PoseField::kGimbalPitch},
                                    {PoseField::kYaw, PoseField::kGimbalYaw}}) {
@@ -126,13 +120,7 @@ void FindZeroAngles(const Table& table, TableFrame& frame) {
   const bool has_gimbal = header.Has(PoseField::kGimbalPitch) && header.Has(PoseField::kGimbalYaw);
   if (!has_all && !has_gimbal) return;
   frame.are_zero_angles_unknown = !table.header;
-  for (const PoseField field : {PoseField::kRoll,
-                                PoseField::kPitch,
-                                PoseField::kYaw,
-                                PoseField::kImageUpHeading,
-                                PoseField::kGimbalRoll,
-                                PoseField::kGimbalPitch,
-                                PoseField::kGimbalYaw}) {
+  for (const PoseField field : kAngleFields) {
     for (const TableLine& line : table.lines) {
       const std::optional<std::string> text = PoseLine(frame, line).Text(field);
       if (text && NumberFromText(*text) != 0.0) return;
