@@ -13,7 +13,7 @@ constexpr double kMinAltitude = -1000.0, kMaxAltitude = 20000.0;
 // The shores of the Dead Sea are at -430 m. All other land is above the second.
 constexpr double kLowestLand = -450.0, kLowestUsualLand = -50.0;
 // Above the difference of two datums.
-constexpr double kMaxAltitudeDisagreement = 120.0;
+constexpr double kMaxAltitudeDisagreement = 120.0;  // and in a sentence below
 constexpr double kMaxPlaceDisagreementDeg = 0.01;
 constexpr char kAltitude[] = "Exif.GPSInfo.GPSAltitude";
 constexpr char kAltitudeRef[] = "Exif.GPSInfo.GPSAltitudeRef";
@@ -176,9 +176,11 @@ TaggedAltitude Altitude(const TagSource& tags) {
   if (*exif != 0.0 && !has_other_sign && std::abs(*exif - *xmp) < kMaxAltitudeDisagreement) {
     return {exif, ""};
   }
-  return {xmp,
-          "GPSAltitude says " + Metres(*exif) + " and AbsoluteAltitude in XMP " + Metres(*xmp) +
-              ": AbsoluteAltitude is used"};
+  // One sentence for all photographs of a flight, therefore without their numbers.
+  const std::string what = *exif == 0.0     ? "is 0"
+                           : has_other_sign ? "has the other sign than AbsoluteAltitude"
+                                            : "is more than 120 m off AbsoluteAltitude";
+  return {xmp, "GPSAltitude " + what + ": AbsoluteAltitude in XMP is used"};
 }
 
 // Why a geotag cannot be used; empty if it can.
