@@ -14,7 +14,7 @@ test_card() {
   run 1 submit "$card" --dry-run
   said err "photographs from $card/DCIM/100MEDIA $card/DCIM/101MEDIA: 3"
   said err "poses from $card/geo.txt"
-  said err 'left: videos and their files (2), thumbnails and files of file managers (2)'
+  said err 'left: videos and their files \(2\), thumbnails and files of file managers \(2\)'
   said err 'DCIM_100MEDIA_frame_0001.jpg: .*give a position'
   equal "$(grep -c '^freelsdctl: \(photographs\|poses\|left\)' "$work/err")" 3 "lines"
   run 2 submit "$card" --angles sideways
