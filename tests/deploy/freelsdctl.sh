@@ -179,7 +179,7 @@ test_refusals() {
   printf 'image,lat,lon,alt\n\nframe_0003.jpg,north,8.4,500\n' >"$bad/poses.csv"
   num_before="$(num_flights)"
   run 1 submit "$bad"
-  said err 'poses/3/lat'
+  said err 'line 3: "lat" must be a latitude'
   equal "$(num_flights)" "$num_before" "flights after a refused upload"
   run 1 submit "$bad" --aircraft zeppelin
   said err 'profile: must be one of'
