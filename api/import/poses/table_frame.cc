@@ -95,8 +95,8 @@ void CheckAngles(const Table& table, TableFrame& frame) {
   const bool is_tilted = roll.median > kMaxTiltDeg ||
                          (is_headless && std::max(roll.largest, pitch.largest) > kMaxTiltDeg);
   // Kappa, in one direction of flight.
-  const bool is_kappa = is_headless && roll.median > 0.0 &&
-                        (roll.median > kMaxSteadyRollDeg || yaw <= roll.median);
+  const bool is_kappa =
+      is_headless && roll.median > 0.0 && (roll.median > kMaxSteadyRollDeg || yaw <= roll.median);
   if (is_tilted || is_kappa) {
     RemoveAngles(header, "the angles are no yaw, pitch, roll (omega, phi, kappa?)");
   } else if (pitch.median > kMaxTiltDeg && header.Has(PoseField::kYaw)) {
