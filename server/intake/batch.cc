@@ -10,7 +10,6 @@
 #include "api/api.h"
 #include "api/import/images/images.h"
 #include "api/import/import.h"
-#include "api/import/number_text.h"
 #include "api/import/poses/poses.h"
 #include "server/http/http.h"
 
@@ -176,12 +175,16 @@ void BatchUpload::NameImages() {
 
 // Programs write names in another case or without the extension.
 void BatchUpload::MatchNames() {
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+  };
   const auto stem = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
   std::map<std::string, std::set<std::string>> ids_of;
   std::set<std::string> taken;
   for (const BatchImage& entry : images_) {
-    ids_of[InLowerCase(entry.id)].insert(entry.id);
-    ids_of[InLowerCase(stem(entry.id))].insert(entry.id);
+    ids_of[lower(entry.id)].insert(entry.id);
+    ids_of[lower(stem(entry.id))].insert(entry.id);
     taken.insert(entry.id);
   }
   const std::set<std::string> known = taken;
@@ -189,7 +192,7 @@ void BatchUpload::MatchNames() {
   size_t num_matched = 0;
   for (auto& [id, meta] : poses_.poses) {
     if (known.contains(id)) continue;
-    const auto found = ids_of.find(InLowerCase(id));
+    const auto found = ids_of.find(lower(id));
     if (found == ids_of.end() || found->second.size() != 1) continue;
     if (taken.erase(*found->second.begin()) == 0) continue;
     id = *found->second.begin();

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include "api/import/gimbal.h"
-
 namespace freelsd {
 namespace {
 
@@ -274,7 +272,9 @@ FrameMeta WithoutAngles(FrameMeta meta) {
 // Pitch -90 of an aircraft is a dive; of a camera, where 0 is the horizon, it is straight down.
 FrameMeta AsOfCamera(FrameMeta meta) {
   if (meta.ned_from_camera || !meta.ned_from_body) return meta;
-  meta.ned_from_camera = *meta.ned_from_body * NedFromGimbalCamera({});
+  // Right, down, ahead of a camera are y, z, x of the body.
+  const Eigen::Quaterniond body_from_ahead_camera(0.5, 0.5, 0.5, 0.5);
+  meta.ned_from_camera = *meta.ned_from_body * body_from_ahead_camera;
   meta.ned_from_body.reset();
   return meta;
 }

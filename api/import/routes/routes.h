@@ -54,5 +54,7 @@ bool IsQgcPlan(const nlohmann::json& object);
 bool IsWaypoints(std::string_view text);
 // The same mission as a plan. Throws ApiError with the number of the line.
 nlohmann::json PlanOfWaypoints(std::string_view text);
+// The JSON of a route request or of a plan, or the plan of a file of waypoints; in UTF-8 or UTF-16.
+nlohmann::json ReadRouteFile(const std::string& bytes);
 
 }  // namespace freelsd

@@ -82,4 +82,9 @@ nlohmann::json PlanOfWaypoints(std::string_view bytes) {
            {{"plannedHomePosition", home}, {"cruiseSpeed", cruise_speed_mps}, {"items", items}}}};
 }
 
+nlohmann::json ReadRouteFile(const std::string& bytes) {
+  if (IsWaypoints(bytes)) return PlanOfWaypoints(bytes);
+  return ParseJson(ToUtf8(bytes), kLimits.routes.max_bytes);
+}
+
 }  // namespace freelsd

@@ -5,7 +5,6 @@
 
 #include "api/api.h"
 #include "api/import/routes/routes.h"
-#include "api/import/utf8.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
 #include "server/handlers/paging.h"
@@ -67,9 +66,7 @@ CompletedRoute Completed(const Service& service, nlohmann::json object) {
 }
 
 CompletedRoute RequestOf(const Service& service, const Call& call) {
-  const std::string bytes = call.body.ReadAll(kLimits.routes.max_bytes);
-  nlohmann::json body = IsWaypoints(bytes) ? PlanOfWaypoints(bytes)
-                                           : ParseJson(ToUtf8(bytes), kLimits.routes.max_bytes);
+  nlohmann::json body = ReadRouteFile(call.body.ReadAll(kLimits.routes.max_bytes));
   if (IsQgcPlan(body)) return Completed(service, ObjectOfPlan(call, body));
   for (const auto& [name, value] : call.request.params) {
     if (name == "f") continue;

@@ -5,7 +5,6 @@
 #include "engine/obstacles/obstacles.h"
 #include "server/recall/emergency_request.h"
 #include "server/recall/obstacles/obstacles.h"
-#include "server/recall/recall_sites.h"
 #include "server/recall/terrain_margin.h"
 
 namespace freelsd {
