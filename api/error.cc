@@ -84,6 +84,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"UnsupportedPixels", 422, "The image's pixel format is not supported", 0},
     {"ImageSizeMismatch", 422, "The image and the camera differ in size", 0},
     {"DigestMismatch", 422, "The body does not match its digest", 0},
+    {"OddPhotograph", 422, "The photograph does not fit the others of its batch", 0},
     {"NoPosition", 422, "The frame has no position", 0},
     {"NoCamera", 422, "The camera is unknown", 0},
     {"ZipRefused", 422, "The zip archive is refused", 0},

@@ -55,8 +55,6 @@ struct TagLimits {
   size_t max_block_bytes = size_t{256} << 10;
   // Photographs have a few dozen segments. A hostile file may consist only of tiny segments.
   size_t max_num_segments = 4096;
-  // XMP packets nest about 5 levels deep. The XMP library recurses.
-  int max_xmp_depth = 32;
   // Components read from one tag. GPS tags have 3. Components beyond the limit are ignored.
   long max_num_components = 16;
   size_t max_text_bytes = 1024;

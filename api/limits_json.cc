@@ -44,7 +44,6 @@ nlohmann::json FileLimitsJson(const Limits& limits) {
           {"max_tag_text_bytes", limits.tags.max_text_bytes},
           {"max_num_tag_components", limits.tags.max_num_components},
           {"max_num_tag_segments", limits.tags.max_num_segments},
-          {"max_xmp_depth", limits.tags.max_xmp_depth},
           {"max_num_zip_entries", limits.zip.max_entries},
           {"max_zip_ratio", limits.zip.max_ratio},
           {"max_zip_entry_bytes", limits.zip.max_entry_bytes},

@@ -81,7 +81,7 @@ constexpr Route kRoutes[] = {
     {"POST", "/v1/flights/{flight}/frames", PostFrame},
     {"GET", "/v1/flights/{flight}/frames", GetFrames},
     {"GET", "/v1/flights/{flight}/frames/{frame}/patch.png", GetFramePatch, "x_px y_px side_px"},
-    {"POST", "/v1/flights/{flight}/batch", PostBatch, "dry_run extra_poses"},
+    {"POST", "/v1/flights/{flight}/batch", PostBatch, "dry_run extra_poses angles"},
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
     {"POST", "/v1/flights/{flight}/replay", PostReplay},
     {"POST", "/v1/flights/{flight}/telemetry", PostTelemetry},

@@ -19,6 +19,7 @@ struct FlightRow {
   std::string warnings_json = "[]";
   std::string stages_json = "{}";
   int64_t created_at_us = 0;
+  // Frames that intake or processing refused.
   int64_t num_rejected_frames = 0;
   bool has_failed = false;
   // Altitude of the ground below the first frame, in the flight's datum; empty until estimated.

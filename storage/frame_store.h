@@ -56,6 +56,7 @@ class FrameStore {
                        const std::string& frame_id,
                        const std::string& resolved_json,
                        const FlightChange& change = {}) = 0;
+  // Also keeps the flight's num_rejected_frames.
   virtual void SetState(const std::string& flight_id,
                         const std::string& frame_id,
                         FrameState state,

@@ -96,9 +96,8 @@ std::optional<int> ZoomIn(const std::map<std::string, std::string>& metadata, co
   const auto found = metadata.find(name);
   if (found == metadata.end()) return std::nullopt;
   const std::optional<double> number = NumberIn(found->second);
-  if (!number || !(*number >= 0.0 && *number <= kMaxZoom)) {
-    Refuse(std::string("metadata ") + name, "is not a number from 0 to 30");
-  }
+  // The tiles themselves tell it then.
+  if (!number || !(*number >= 0.0 && *number <= kMaxZoom)) return std::nullopt;
   return static_cast<int>(*number);
 }
 
@@ -131,6 +130,13 @@ void MbTiles::State::Open(const std::filesystem::path& file) {
   std::error_code error;
   // A pipe would keep the server from starting.
   if (!std::filesystem::is_regular_file(file, error)) Refuse("open", "there is no such file");
+  // What is still in the log is not in the file, and the file is read alone.
+  const auto log_size = std::filesystem::file_size(file.string() + "-wal", error);
+  if (!error && log_size > 0) {
+    Refuse("open",
+           "a write-ahead log lies beside it; close the program that writes it, or run "
+           "sqlite3 FILE \"PRAGMA journal_mode=DELETE\"");
+  }
   const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(ImmutableUri(file).c_str(), &database, flags, nullptr) != SQLITE_OK) {
     Refuse("open", "the file cannot be read");
@@ -213,7 +219,10 @@ MbTiles::MbTiles(const std::filesystem::path& file, const MbTilesOptions& option
   const std::optional<int> max_zoom = ZoomIn(metadata, "maxzoom");
   info.min_zoom = min_zoom ? *min_zoom : state_->ZoomOf("SELECT min(zoom_level) FROM tiles");
   info.max_zoom = max_zoom ? *max_zoom : state_->ZoomOf("SELECT max(zoom_level) FROM tiles");
-  if (info.min_zoom > info.max_zoom) Refuse("metadata", "minzoom is larger than maxzoom");
+  if (info.min_zoom > info.max_zoom) {
+    info.min_zoom = state_->ZoomOf("SELECT min(zoom_level) FROM tiles");
+    info.max_zoom = state_->ZoomOf("SELECT max(zoom_level) FROM tiles");
+  }
 }
 
 MbTiles::~MbTiles() = default;

@@ -68,6 +68,9 @@ export function featureOf(draft, now_ms) {
     height_m: isArea(kind) ? undefined : numberOf(values.height_m),
     floor_m: kind === 'no_fly' ? numberOf(values.floor_m) : undefined,
     ceiling_m: kind === 'no_fly' ? numberOf(values.ceiling_m) : undefined,
+    // As imported, unless an altitude was entered instead.
+    floor_above_ground_m: values.floor_m ? undefined : values.floor_above_ground_m,
+    ceiling_above_ground_m: values.ceiling_m ? undefined : values.ceiling_above_ground_m,
     altitude_datum: usesAltitude ? values.altitude_datum || undefined : undefined,
     position_sd_m: numberOf(values.position_sd_m),
     expires_at: expiryOf(kind, values, now_ms),
@@ -88,6 +91,7 @@ export function draftOf({ geometry, properties: p, id }) {
   return { id: p.id ?? id, isNew: false, kind: p.kind, points, values: {
     name: textOf(p.name), height_m: textOf(p.height_m), floor_m: textOf(p.floor_m), ceiling_m: textOf(p.ceiling_m),
     radius_m: p.kind === 'people' && type === 'Point' ? textOf(2 * (p.position_sd_m ?? kPeopleSd_m)) : '', altitude_datum: p.altitude_datum ?? 'unknown', position_sd_m: textOf(p.position_sd_m),
+    floor_above_ground_m: p.floor_above_ground_m, ceiling_above_ground_m: p.ceiling_above_ground_m,
     expires_at: p.expires_at, expires_h: p.expires_at ? 'kept' : '1',
   } };
 }
@@ -110,7 +114,11 @@ export function fieldOf(pointer = '') {
 export function extentOf({ properties: p, geometry }) {
   if (p.kind === 'people') return p.expires_at ? `until ${new Date(p.expires_at).toLocaleTimeString([], { timeStyle: 'short' })}` : '';
   if (p.kind === 'no_fly') {
-    const [floor, ceiling] = [p.floor_m, p.ceiling_m].map((value) => (Number.isFinite(value) ? `${Math.round(value)} m` : null));
+    const [floor, ceiling] = ['floor', 'ceiling'].map((bound) => {
+      const [altitude_m, height_m] = [p[`${bound}_m`], p[`${bound}_above_ground_m`]];
+      if (Number.isFinite(altitude_m)) return `${Math.round(altitude_m)} m`;
+      return Number.isFinite(height_m) ? `${Math.round(height_m)} m above ground` : null;
+    });
     return `${floor ? `from ${floor}` : 'from the ground'} ${ceiling ? `to ${ceiling}` : 'up'}`;
   }
   if (Number.isFinite(p.height_m)) return `${Math.round(p.height_m)} m`;

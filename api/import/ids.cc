@@ -46,6 +46,24 @@ std::string IdFromFileName(std::string_view file_name) {
   return id == ".." ? "__" : id;
 }
 
+std::string IdFromPath(std::string_view path) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string id;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (IsIdCharacter(c)) {
+      id += c;
+    } else if (c == '/' || c == '\\') {
+      id += '_';
+    } else {
+      id += {'-', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+  }
+  // Names differ at their ends.
+  if (id.size() > kLimits.max_id_bytes) id.erase(0, id.size() - kLimits.max_id_bytes);
+  return IsValidId(id) ? id : IdFromFileName(path);
+}
+
 std::string ShownPath(const std::string& path) {
   std::string shown = path.substr(0, kMaxShownBytes);
   for (char& c : shown) c = c < ' ' || c > '~' ? '_' : c;

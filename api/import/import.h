@@ -11,6 +11,9 @@ namespace freelsd {
 bool IsValidId(std::string_view id);
 // The file name without folders. Characters that no id may contain become "_".
 std::string IdFromFileName(std::string_view file_name);
+// An id of the whole path, for files that share a name. Folders are separated by "_", and each
+// other character that no id may contain becomes "-" and its code.
+std::string IdFromPath(std::string_view path);
 // Lower-case hex.
 std::string Sha256Hex(std::string_view bytes);
 // The path in printable ASCII, shortened for messages.

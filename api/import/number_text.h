@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace freelsd {
@@ -10,5 +11,7 @@ namespace freelsd {
 std::optional<double> NumberFromText(std::string_view text);
 // The text without leading and trailing blanks and line ends.
 std::string_view Trimmed(std::string_view text);
+// Of ASCII; other letters stay.
+std::string InLowerCase(std::string_view text);
 
 }  // namespace freelsd

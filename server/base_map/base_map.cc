@@ -129,7 +129,7 @@ BaseMap::BaseMap(const Config& config) {
   if (!config.base_map_attribution.empty()) {
     attribution_ = WithoutMarkup(config.base_map_attribution);
   }
-  if (!config.base_map_max_zoom) return;
+  if (!config.base_map_max_zoom || url_.empty()) return;
   const int max_zoom = *config.base_map_max_zoom;
   if (max_zoom < min_zoom_) {
     throw ConfigError("base_map_max_zoom: the map begins at zoom level " +
@@ -144,8 +144,10 @@ void BaseMap::OpenFile(const Config& config) {
   try {
     file_ = std::make_unique<const MbTiles>(config.base_map_file, options);
   } catch (const StorageError& error) {
-    throw ConfigError("base_map_file: " + config.base_map_file.string() +
-                      " cannot be used: " + error.what());
+    problem_ =
+        "base_map_file: " + config.base_map_file.string() + " cannot be used: " + error.what();
+    spdlog::error("{}; the server runs without a base map", problem_);
+    return;
   }
   const MbTilesInfo& info = file_->info();
   url_ = "/v1/base-map/{z}/{x}/{y}";
@@ -169,7 +171,10 @@ nlohmann::json BaseMap::TileJson() const {
 }
 
 MapTile BaseMap::Tile(int64_t zoom, int64_t x, int64_t y) const {
-  if (!file_) throw ApiError("NoBaseMap", "this server has no tiles of a base map");
+  if (!file_) {
+    throw ApiError("NoBaseMap",
+                   problem_.empty() ? "this server has no tiles of a base map" : problem_);
+  }
   if (zoom > max_zoom_ || zoom < min_zoom_) {
     throw ApiError("NoSuchTile", "the base map has no such tile");
   }

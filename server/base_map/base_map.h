@@ -17,12 +17,15 @@ namespace freelsd {
 // Thread-safe.
 class BaseMap {
  public:
-  // Opens the file if one is configured. Throws ConfigError with a sentence that names the setting.
+  // Opens the file if one is configured; without a usable one there is no base map. Throws
+  // ConfigError with a sentence that names the setting.
   explicit BaseMap(const Config& config);
 
   // What the page's browser may load pictures from, e.g. "https://tiles.example.org". Empty if the
   // map comes from this server or there is none.
   const std::string& outside_origin() const { return outside_origin_; }
+  // Why the configured file is not used; empty if it is.
+  const std::string& problem() const { return problem_; }
   // TileJSON 3.0; null if there is no base map. The attribution is plain text.
   nlohmann::json TileJson() const;
   // A tile of the file, XYZ. Throws ApiError NoBaseMap if no file is configured, NoSuchTile,
@@ -32,6 +35,7 @@ class BaseMap {
  private:
   void OpenFile(const Config& config);
 
+  std::string problem_;
   std::string url_;
   std::string outside_origin_;
   std::string name_;

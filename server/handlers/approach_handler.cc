@@ -87,8 +87,13 @@ FlightContext ContextOf(const KeptSite& kept) {
   return {kept.row.flight_id, datum, LocalFrame(replan.origin)};
 }
 
-nlohmann::json PlanJson(const Plan& plan, const Aircraft& aircraft, const FlightContext& context) {
+nlohmann::json PlanJson(const Service& service,
+                        const Plan& plan,
+                        const Aircraft& aircraft,
+                        const FlightContext& context) {
   nlohmann::json answer = ApproachJson(plan, context);
+  answer["wires_known"] = AreWiresKnown(
+      {service.storage, service.maps}, {context.local_frame.GeoFromWorld(plan.touchdown_in_world)});
   answer["plan"] = PlanProperties(plan, context);
   answer["plan"]["aircraft"] = AircraftJson(aircraft);
   answer["plan"]["warnings"] = LimitsWarnings(aircraft);
@@ -105,7 +110,7 @@ nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call&
   if (!plan->approach) {
     throw ApiError("NoApproach", "no approach for this wind: " + plan->reject_detail);
   }
-  return PlanJson(*plan, aircraft, ContextOf(*kept));
+  return PlanJson(service, *plan, aircraft, ContextOf(*kept));
 }
 
 [[noreturn]] void Refuse(const std::string& parameter, const std::string& detail) {
@@ -185,6 +190,9 @@ void AnswerJudgement(Service& service,
   answer["nearest_limit"] = NearestLimitJson(judgement, aircraft);
   if (const auto digest = EvidenceDigestOf(site.row)) answer["evidence_digest"] = *digest;
   AddEvidence(service, site, judgement, place_in_world, answer);
+  answer["wires_known"] = AreWiresKnown(
+      {service.storage, service.maps},
+      {LocalFrame(site.replan.origin).GeoFromWorld({place_in_world.x(), place_in_world.y(), 0.0})});
   answer["warnings"] = LimitsWarnings(aircraft);
   response.set_content(answer.dump(), "application/json");
 }
@@ -234,6 +242,8 @@ nlohmann::json StoredApproach(const Service& service, const SiteRow& site) {
                    "another map rejects the stored approach: " + stored->superseded_detail);
   }
   nlohmann::json approach = nlohmann::json::parse(site.approach_json);
+  approach["wires_known"] = AreWiresKnown({service.storage, service.maps},
+                                          {{site.latitude_deg, site.longitude_deg, 0.0}});
   if (!site.IsDoubted()) return approach;
   const auto lower = [](nlohmann::json& object) {
     if (object.value("verdict", "") == "landable") object["verdict"] = "unverified";
@@ -307,7 +317,7 @@ void GetFlightLanding(Service& service, const Call& call, httplib::Response& res
                    "no landing within " + std::to_string(std::lround(kLandingRadiusM)) +
                        " m: " + plan.reject_detail);
   }
-  AnswerGeoJson(PlanJson(plan, on.aircraft, ContextOf(*on.site)), response);
+  AnswerGeoJson(PlanJson(service, plan, on.aircraft, ContextOf(*on.site)), response);
 }
 
 SiteRose PlanSiteRose(Service& service,
@@ -347,6 +357,8 @@ void GetWindRose(Service& service, const Call& call, httplib::Response& response
   const SiteRose planned = PlanSiteRose(service, stored, aircraft, options, stop_if_unwanted);
   nlohmann::json answer = WindRoseJson(planned.rose, ContextOf(*planned.site));
   answer["aircraft"] = AircraftJson(aircraft);
+  answer["wires_known"] = AreWiresKnown({service.storage, service.maps},
+                                        {{site.latitude_deg, site.longitude_deg, 0.0}});
   answer["warnings"] = LimitsWarnings(aircraft);
   response.set_content(answer.dump(), "application/json");
 }

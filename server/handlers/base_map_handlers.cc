@@ -32,7 +32,10 @@ bool Lists(const std::string& header, const std::string& tag) {
 
 void GetBaseMap(Service& service, const Call&, httplib::Response& response) {
   const nlohmann::json tile_json = service.base_map.TileJson();
-  if (tile_json.is_null()) throw ApiError("NoBaseMap", "this server has no base map");
+  if (tile_json.is_null()) {
+    const std::string& problem = service.base_map.problem();
+    throw ApiError("NoBaseMap", problem.empty() ? "this server has no base map" : problem);
+  }
   // Texts of the file need not be UTF-8.
   response.set_content(tile_json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
                        "application/json");

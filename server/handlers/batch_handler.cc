@@ -14,13 +14,6 @@
 namespace freelsd {
 namespace {
 
-// An image with its metadata from the pose file, and with its merged metadata.
-struct Candidate {
-  const BatchImage* entry = nullptr;
-  FrameMeta given;
-  FrameMeta meta;
-};
-
 // Rows and changes that are committed together.
 struct Admission {
   std::vector<FrameRow> frames;
@@ -37,7 +30,17 @@ struct BatchOptions {
   bool is_dry_run = false;
   // Poses may name images that arrive in another request, or never.
   bool may_have_extra_poses = false;
+  BatchAngles angles = BatchAngles::kChecked;
 };
+
+BatchAngles AnglesOf(const Call& call) {
+  const std::string text = call.Query("angles").value_or("checked");
+  if (text == "checked") return BatchAngles::kChecked;
+  if (text == "given") return BatchAngles::kGiven;
+  if (text == "none") return BatchAngles::kNone;
+  const std::string detail = "angles: must be checked, given or none";
+  throw ApiError("InvalidQuery", detail, {{"angles", detail}});
+}
 
 // The first poses whose image is neither in the request nor in the flight.
 std::vector<FieldError> UnknownImages(const Service& service,
@@ -67,42 +70,42 @@ void RefuseUnknownImages(const Service& service,
 }
 
 // Sorted by time if every image that can become a frame has a timestamp, else in the given order.
-std::vector<Candidate> InOrderOfFlight(const Intake& intake,
-                                       const std::string& flight_id,
-                                       const BatchUpload& upload) {
+std::vector<BatchPhoto> InOrderOfFlight(const Intake& intake,
+                                        const std::string& flight_id,
+                                        const BatchUpload& upload) {
   std::map<std::string, FrameMeta> poses;
   for (const auto& [id, meta] : upload.poses().poses) poses[id] = meta;
-  std::vector<Candidate> candidates;
+  std::vector<BatchPhoto> photos;
   bool has_all_times = true;
   for (const BatchImage& entry : upload.images()) {
-    Candidate candidate{&entry, poses[entry.id], {}};
+    BatchPhoto photo{entry, poses[entry.id], {}, {}};
     if (entry.image) {
-      candidate.meta = KnownMeta(intake, flight_id, candidate.given, entry.image->tags.meta);
+      photo.tags = entry.image->tags.meta;
+      photo.meta = KnownMeta(intake, flight_id, photo.given, photo.tags);
     }
-    if (candidate.meta.position) has_all_times &= candidate.meta.timestamp_us.has_value();
-    candidates.push_back(std::move(candidate));
+    if (photo.meta.position) has_all_times &= photo.meta.timestamp_us.has_value();
+    photos.push_back(std::move(photo));
   }
   if (has_all_times) {
-    std::stable_sort(
-        candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-          return a.meta.timestamp_us.value_or(0) < b.meta.timestamp_us.value_or(0);
-        });
+    std::stable_sort(photos.begin(), photos.end(), [](const BatchPhoto& a, const BatchPhoto& b) {
+      return a.meta.timestamp_us.value_or(0) < b.meta.timestamp_us.value_or(0);
+    });
   }
-  return candidates;
+  return photos;
 }
 
 // Throws ApiError if the image cannot become a frame; false if it is already stored as one.
 bool AdmitOne(const Intake& intake,
               const std::string& flight_id,
-              const Candidate& candidate,
+              const BatchPhoto& photo,
               RigResolver& resolver,
               std::vector<FrameRow>& frames) {
-  const BatchImage& entry = *candidate.entry;
-  if (!entry.image) throw ApiError(entry.code, entry.reason);
-  FrameRow frame = NewFrameRow(flight_id, entry.id, *entry.image, candidate.given);
+  const BatchImage& entry = photo.image;
+  if (!entry.reason.empty()) throw ApiError(entry.code, entry.reason);
+  FrameRow frame = NewFrameRow(flight_id, entry.id, entry.image->sha256, {photo.given, photo.tags});
   frame.is_from_batch = true;
   if (SameFrame(intake, frame)) return false;
-  resolver.Admit(*entry.image, candidate.meta);
+  resolver.Admit(*entry.image, photo.meta);
   frames.push_back(std::move(frame));
   return true;
 }
@@ -111,7 +114,17 @@ void AddTo(std::vector<std::string>& warnings, const std::vector<std::string>& m
   warnings.insert(warnings.end(), more.begin(), more.end());
 }
 
-Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload& upload) {
+// What the flight's request, an earlier frame or a file beside the images determines.
+PhotoRules RulesFor(const FlightRow& flight, const BatchUpload& upload, BatchAngles angles) {
+  const bool has_camera = CameraOf(flight).has_value() || upload.poses().camera.has_value();
+  const FlightRequest request = ParseStoredFlightRequest(flight.request_json);
+  return {angles, has_camera, request.body_from_camera.has_value()};
+}
+
+Admission Admit(const Intake& intake,
+                const FlightRow& flight,
+                const BatchUpload& upload,
+                BatchAngles angles) {
   const int64_t arrived_at_us = ArrivalNowUs();
   Admission admission;
   const PoseFile& poses = upload.poses();
@@ -124,17 +137,20 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
         "the flight has a camera: the camera file beside the images is ignored");
   }
   std::vector<CaptureTime> times;
-  for (const Candidate& candidate : InOrderOfFlight(intake, flight.id, upload)) {
-    nlohmann::json verdict{{"id", candidate.entry->id}, {"verdict", "accepted"}};
+  const ComparedPhotos compared =
+      ComparePhotos(InOrderOfFlight(intake, flight.id, upload), RulesFor(flight, upload, angles));
+  AddTo(admission.warnings, compared.warnings);
+  for (const BatchPhoto& photo : compared.photos) {
+    nlohmann::json verdict{{"id", photo.image.id}, {"verdict", "accepted"}};
     try {
-      if (!AdmitOne(intake, flight.id, candidate, resolver, admission.frames)) {
+      if (!AdmitOne(intake, flight.id, photo, resolver, admission.frames)) {
         verdict["detail"] = "already stored";
       } else if (!has_datum) {
-        admission.altitude_datum = CommonDatum(admission.altitude_datum, candidate.meta);
+        admission.altitude_datum = CommonDatum(admission.altitude_datum, photo.meta);
       }
-      AddTo(admission.warnings, resolver.RelevantWarnings(*candidate.entry->image));
+      AddTo(admission.warnings, resolver.RelevantWarnings(*photo.image.image));
       times.push_back(
-          CaptureTimeOf(candidate.meta.timestamp_us, candidate.meta.time_source, {arrived_at_us}));
+          CaptureTimeOf(photo.meta.timestamp_us, photo.meta.time_source, {arrived_at_us}));
     } catch (const ApiError& error) {
       verdict["verdict"] = "rejected";
       verdict["code"] = error.code();
@@ -237,7 +253,7 @@ nlohmann::json DryRun(const Service& service,
   } catch (const ApiError& error) {
     AppendProblem(error, problems);
   }
-  const Admission admission = Admit(service.intake, flight, upload);
+  const Admission admission = Admit(service.intake, flight, upload, options.angles);
   nlohmann::json answer = DetailJson(admission, upload);
   std::vector<std::string> unposed = ImagesWithoutPose(upload);
   unposed.resize(std::min(unposed.size(), kLimits.answer.max_num_listed_errors));
@@ -250,9 +266,12 @@ nlohmann::json DryRun(const Service& service,
   return answer;
 }
 
-JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload) {
+JobRow StoreBatch(Service& service,
+                  const Call& call,
+                  const BatchUpload& upload,
+                  BatchAngles angles) {
   const FlightRow stored = ExistingFlight(service, call);
-  const Admission admission = Admit(service.intake, stored, upload);
+  const Admission admission = Admit(service.intake, stored, upload, angles);
   JobRow job = NewBatchJob(stored.id, admission, upload);
   service.storage.frames.Insert(stored.id, admission.frames, job, [&](FlightRow& flight) {
     // Since the upload began.
@@ -266,12 +285,15 @@ JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload)
 }
 
 // Looks at the frames again if another server has stored one of them meanwhile.
-JobRow StoreBatchBesideOthers(Service& service, const Call& call, const BatchUpload& upload) {
+JobRow StoreBatchBesideOthers(Service& service,
+                              const Call& call,
+                              const BatchUpload& upload,
+                              BatchAngles angles) {
   try {
-    return StoreBatch(service, call, upload);
+    return StoreBatch(service, call, upload, angles);
   } catch (const StorageError& error) {
     if (error.fault != StorageFault::kConflict) throw;
-    return StoreBatch(service, call, upload);
+    return StoreBatch(service, call, upload, angles);
   }
 }
 
@@ -282,7 +304,8 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   RefuseWhenRetired(flight_row);
   const std::string flight_id = flight_row.id;
   const Receiving receiving(service.intake, flight_id);
-  const BatchOptions options{call.QueryFlag("dry_run"), call.QueryFlag("extra_poses")};
+  const BatchOptions options{
+      call.QueryFlag("dry_run"), call.QueryFlag("extra_poses"), AnglesOf(call)};
   BatchUpload upload(service.intake);
   upload.Read(call);
   if (options.is_dry_run) {
@@ -294,7 +317,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   upload.ParsePoses(ParseStoredFlightRequest(ExistingFlight(service, call).request_json).origin);
   if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight_id, upload);
   const std::lock_guard lock(service.intake.intake_mutex);
-  const JobRow job = StoreBatchBesideOthers(service, call, upload);
+  const JobRow job = StoreBatchBesideOthers(service, call, upload, options.angles);
   service.events.Publish("job", flight_id, JobJson(service, job).dump());
   service.intake.wake_worker();
   service.intake.on_new_pose(flight_id);

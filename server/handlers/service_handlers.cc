@@ -227,6 +227,9 @@ void GetInfo(Service& service, const Call&, httplib::Response& response) {
   info["emergency"] = EmergencyInfo();
   info["obstacles"] = ObstaclesInfo();
   info["has_base_map"] = !service.base_map.TileJson().is_null();
+  if (const std::string& problem = service.base_map.problem(); !problem.empty()) {
+    info["base_map_problem"] = problem;
+  }
   response.set_content(info.dump(), "application/json");
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <utility>
 
 #include "api/api.h"
 #include "api/import/images/images.h"
@@ -70,6 +72,7 @@ void BatchUpload::Read(const Call& call) {
   } else {
     ReadArchive(call);
   }
+  NameImages();
   if (images_.empty() && side_files_.empty()) {
     const std::string detail =
         others_.empty() ? "the batch has no images"
@@ -82,7 +85,10 @@ void BatchUpload::ReadParts(const Call& call, const std::string& boundary) {
   MultipartReader parts([&call](char* bytes, size_t size) { return call.body.Read(bytes, size); },
                         boundary);
   while (const std::optional<Part> part = parts.Next()) {
-    if (part->name == "images") {
+    if (part->name == "images" && IsLeftover(part->file_name)) {
+      parts.ReadAll(intake_.image_limits.max_bytes);
+      ++num_leftovers_;
+    } else if (part->name == "images") {
       AddImage(part->file_name, parts.ReadAll(intake_.image_limits.max_bytes));
     } else if (part->name == "poses") {
       AddSideFile(part->file_name, parts.ReadAll(kLimits.poses.max_file_bytes));
@@ -100,9 +106,10 @@ void BatchUpload::ReadArchive(const Call& call) {
   if (magic[0] != 'P' || magic[1] != 'K') {
     throw ApiError("UnsupportedMediaType", "a batch is multipart/form-data or a zip archive");
   }
-  ReadZip(file.path(), kLimits.zip, [this](const std::string& path, std::string&& bytes) {
-    AddEntry(path, std::move(bytes));
-  });
+  num_leftovers_ =
+      ReadZip(file.path(), kLimits.zip, [this](const std::string& path, std::string&& bytes) {
+        AddEntry(path, std::move(bytes));
+      });
 }
 
 void BatchUpload::AddEntry(const std::string& path, std::string&& bytes) {
@@ -118,15 +125,7 @@ void BatchUpload::AddEntry(const std::string& path, std::string&& bytes) {
 
 void BatchUpload::AddImage(const std::string& file_name, const std::optional<std::string>& bytes) {
   BatchImage entry;
-  entry.id = IdFromFileName(file_name);
-  const std::string pointer = "/images/" + std::to_string(images_.size());
-  if (!IsValidId(entry.id)) {
-    throw ApiError("InvalidId", "an image has no usable file name", {{pointer, "file name"}});
-  }
-  if (!ids_.insert(entry.id).second) {
-    throw ApiError(
-        "DuplicateId", "two files have the id " + entry.id, {{pointer, "is a duplicate"}});
-  }
+  entry.path = file_name;
   if (images_.size() >= kLimits.batch.max_num_images) {
     throw ApiError(
         "TooManyParts",
@@ -145,6 +144,63 @@ void BatchUpload::AddImage(const std::string& file_name, const std::optional<std
     entry.reason = error.what();
   }
   images_.push_back(std::move(entry));
+}
+
+// The id is the file's name; where several files share it, their paths make them different. The
+// same photograph twice is one.
+void BatchUpload::NameImages() {
+  std::map<std::string, std::set<std::string>> paths_of;
+  std::set<std::pair<std::string, std::string>> contents;
+  const auto is_copy = [&](const BatchImage& entry) {
+    return entry.image &&
+           !contents.insert({IdFromFileName(entry.path), entry.image->sha256}).second;
+  };
+  const size_t num_images = images_.size();
+  std::erase_if(images_, is_copy);
+  num_copies_ = num_images - images_.size();
+  for (BatchImage& entry : images_) {
+    entry.id = IdFromFileName(entry.path);
+    paths_of[entry.id].insert(entry.path);
+  }
+  std::set<std::string> ids;
+  for (size_t i = 0; i < images_.size(); ++i) {
+    BatchImage& entry = images_[i];
+    if (paths_of[entry.id].size() > 1) entry.id = IdFromPath(entry.path);
+    if (ids.insert(entry.id).second) continue;
+    throw ApiError("DuplicateId",
+                   "two files have the id " + entry.id,
+                   {{"/images/" + std::to_string(i), "is a duplicate"}});
+  }
+}
+
+// Programs write names in another case or without the extension.
+void BatchUpload::MatchNames() {
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+  };
+  const auto stem = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
+  std::map<std::string, std::set<std::string>> ids_of;
+  std::set<std::string> taken;
+  for (const BatchImage& entry : images_) {
+    ids_of[lower(entry.id)].insert(entry.id);
+    ids_of[lower(stem(entry.id))].insert(entry.id);
+    taken.insert(entry.id);
+  }
+  const std::set<std::string> known = taken;
+  for (const auto& [id, meta] : poses_.poses) taken.erase(id);
+  size_t num_matched = 0;
+  for (auto& [id, meta] : poses_.poses) {
+    if (known.contains(id)) continue;
+    const auto found = ids_of.find(lower(id));
+    if (found == ids_of.end() || found->second.size() != 1) continue;
+    if (taken.erase(*found->second.begin()) == 0) continue;
+    id = *found->second.begin();
+    ++num_matched;
+  }
+  if (num_matched == 0) return;
+  poses_.warnings.push_back(std::to_string(num_matched) +
+                            " poses name their image in another case or without its extension");
 }
 
 void BatchUpload::AddSideFile(const std::string& path, const std::optional<std::string>& text) {
@@ -179,9 +235,18 @@ void BatchUpload::ParsePoses(const std::optional<GeoPoint>& origin) {
   poses_.poses = std::move(read.poses);
   poses_.camera = read.camera;
   poses_.warnings.insert(poses_.warnings.end(), read.warnings.begin(), read.warnings.end());
+  MatchNames();
 }
 
 void BatchUpload::TellOfOthers() {
+  if (num_leftovers_ > 0) {
+    poses_.warnings.push_back(std::to_string(num_leftovers_) +
+                              " files of file managers and thumbnails are ignored");
+  }
+  if (num_copies_ > 0) {
+    poses_.warnings.push_back(std::to_string(num_copies_) +
+                              " photographs came twice: each is used once");
+  }
   const size_t num_told = std::min(others_.size(), kLimits.answer.max_num_listed_errors);
   for (size_t i = 0; i < num_told; ++i) {
     const std::string path = ShownPath(others_[i]);

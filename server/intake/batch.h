@@ -15,6 +15,8 @@ namespace freelsd {
 
 // Result of the check of one image of a batch.
 struct BatchImage {
+  // As in the request.
+  std::string path;
   std::string id;
   // Empty if the image was refused. In that case code and reason are set.
   std::optional<CheckedImage> image;
@@ -46,16 +48,19 @@ class BatchUpload {
   void AddEntry(const std::string& path, std::string&& bytes);
   void AddImage(const std::string& file_name, const std::optional<std::string>& bytes);
   void AddSideFile(const std::string& path, const std::optional<std::string>& text);
+  void NameImages();
+  void MatchNames();
   void TellOfOthers();
 
   Intake& intake_;
   std::vector<BatchImage> images_;
   std::optional<Camera> camera_;
-  std::set<std::string> ids_;
   std::vector<SideFile> side_files_;
   size_t num_side_file_bytes_ = 0;
   // Files of an archive that are neither images nor of a known format.
   std::vector<std::string> others_;
+  size_t num_leftovers_ = 0;
+  size_t num_copies_ = 0;
   PoseFile poses_;
   std::set<std::string> written_;
 };

@@ -35,12 +35,12 @@ CheckedImage CheckImage(Intake& intake,
   CheckedImage image;
   image.header = SniffImage(bytes, intake.image_limits);
   if (camera) RefuseOtherSize(image.header, *camera);
-  {
-    const DecoderSlot slot(intake);
-    DecodeImage(bytes, intake.image_limits);
-  }
   image.sha256 = Sha256Hex(bytes);
   image.tags = ReadImageTags(bytes, image.header);
+  const DecoderSlot slot(intake);
+  for (const std::string& warning : DecodeAndTell(bytes, intake.image_limits).warnings) {
+    image.tags.warnings.push_back(warning);
+  }
   return image;
 }
 
@@ -59,8 +59,10 @@ FlightRig RigResolver::RigFor(const CheckedImage& image) const {
   if (resolved_) return *resolved_;
   const std::optional<Camera> camera = request_.camera ? request_.camera : image.tags.camera;
   if (!camera) {
+    const std::string& why = image.tags.why_no_camera;
     throw ApiError("NoCamera",
-                   "the flight has no camera and the image's tags do not describe one",
+                   "the flight has no camera and the image's tags do not describe one" +
+                       (why.empty() ? "" : ": " + why),
                    {{"/camera", "is needed for these images"}});
   }
   FlightRig rig;
@@ -75,8 +77,10 @@ void RigResolver::CheckSize(const CheckedImage& image) const {
 
 void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {
   if (!meta.position) {
+    const std::string& why = image.tags.why_no_position;
     throw ApiError("NoPosition",
-                   "neither meta, poses, telemetry nor the image's tags give a position");
+                   "neither meta, poses, telemetry nor the image's tags give a position" +
+                       (why.empty() ? "" : ": " + why));
   }
   FlightRig rig = RigFor(image);
   if (!resolved_) rig.origin = request_.origin.value_or(*meta.position);
@@ -93,14 +97,14 @@ std::string RigResolver::RigJson() const { return resolved_ ? FlightRigJson(*res
 
 FrameRow NewFrameRow(const std::string& flight_id,
                      const std::string& frame_id,
-                     const CheckedImage& image,
-                     const FrameMeta& given) {
+                     const std::string& sha256,
+                     const FrameSources& sources) {
   FrameRow row;
   row.flight_id = flight_id;
   row.id = frame_id;
-  row.sha256 = image.sha256;
-  row.meta_json = FrameMetaJson(given);
-  row.tags_json = FrameMetaJson(image.tags.meta);
+  row.sha256 = sha256;
+  row.meta_json = FrameMetaJson(sources.given);
+  row.tags_json = FrameMetaJson(sources.tags);
   row.arrived_at_us = ArrivalNowUs();
   return row;
 }

@@ -56,10 +56,14 @@ class RigResolver {
   std::optional<FlightRig> resolved_;
 };
 
-// `given`: metadata from the client, without those from the image's tags.
+// Metadata from the client, and from the image's tags.
+struct FrameSources {
+  FrameMeta given;
+  FrameMeta tags;
+};
 FrameRow NewFrameRow(const std::string& flight_id,
                      const std::string& frame_id,
-                     const CheckedImage& image,
-                     const FrameMeta& given);
+                     const std::string& sha256,
+                     const FrameSources& sources);
 
 }  // namespace freelsd

@@ -1,8 +1,12 @@
 #include "server/intake/frame_intake.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
+#include "api/stored/stored.h"
 #include "server/intake/checked_image.h"
 #include "server/intake/frame_resolution.h"
 #include "server/intake/telemetry.h"
@@ -10,6 +14,37 @@
 
 namespace freelsd {
 namespace {
+
+nlohmann::json AttitudeJson(const FrameMeta& meta) {
+  const auto& ned_from_x = meta.ned_from_camera ? meta.ned_from_camera : meta.ned_from_body;
+  if (!ned_from_x) return nullptr;
+  // The camera looks along its z, the aircraft along its x. Down is positive in north-east-down.
+  const Eigen::Vector3d axis =
+      *ned_from_x * (meta.ned_from_camera ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX());
+  return {
+      {"of", meta.ned_from_camera ? "camera" : "aircraft"},
+      {"pitch_deg", -DegFromRad(std::asin(std::clamp(axis.z(), -1.0, 1.0)))},
+      {"quaternion_wxyz", {ned_from_x->w(), ned_from_x->x(), ned_from_x->y(), ned_from_x->z()}}};
+}
+
+bool IsAt(const FrameMeta& source, const GeoPoint& place) {
+  return source.position && source.position->latitude_deg == place.latitude_deg &&
+         source.position->longitude_deg == place.longitude_deg;
+}
+
+// Null without a position.
+nlohmann::json PoseJson(const FrameRow& frame, const FrameMeta& meta) {
+  if (!meta.position) return nullptr;
+  const bool is_given = IsAt(ParseStoredFrameMeta(frame.meta_json), *meta.position);
+  const bool is_tagged = IsAt(ParseStoredFrameMeta(frame.tags_json), *meta.position);
+  return {{"position", GeoPointJson(*meta.position)},
+          {"attitude", AttitudeJson(meta)},
+          {"altitude_datum", meta.altitude_datum.value_or("unknown")},
+          {"source",
+           is_given    ? "given"
+           : is_tagged ? "tags"
+                       : "telemetry"}};
+}
 
 const char* StateName(FrameState state) {
   constexpr const char* kNames[] = {"queued", "processed", "rejected"};
@@ -85,7 +120,7 @@ TakenFrame TakeFrame(Intake& intake,
       intake, upload.image, is_known ? std::nullopt : CameraOf(OpenFlight(intake, flight_id)));
   const FrameMeta given = ParseFrameMeta(upload.meta);
   if (given.timestamp_us) RefuseFutureTime(*given.timestamp_us, NowUs());
-  const FrameRow frame = NewFrameRow(flight_id, frame_id, image, given);
+  const FrameRow frame = NewFrameRow(flight_id, frame_id, image.sha256, {given, image.tags.meta});
   {
     const std::lock_guard lock(intake.intake_mutex);
     if (const auto stored = SameFrame(intake, frame)) return {*stored, false};
@@ -119,6 +154,7 @@ nlohmann::json FrameJson(const FrameRow& frame) {
       {"id", frame.id}, {"sha256", frame.sha256}, {"state", StateName(frame.state)}};
   if (!frame.reason.empty()) object["reason"] = frame.reason;
   const FrameMeta meta = ParseStoredPose(frame.resolved_json, frame.meta_json, frame.tags_json);
+  object["pose"] = PoseJson(frame, meta);
   const CaptureTime time = CaptureTimeOf(frame, meta);
   object["timestamp_us"] = nullptr;
   object["time_source"] = nullptr;

@@ -8,6 +8,7 @@
 #include "server/intake/frame_intake.h"
 #include "server/intake/frame_resolution.h"
 #include "server/intake/num_streams.h"
+#include "server/intake/odd_photographs.h"
 #include "server/intake/state.h"
 #include "server/intake/stored_images.h"
 #include "server/intake/telemetry.h"

@@ -233,6 +233,7 @@ std::string NamesOf(const PathObstacles& found) {
 }  // namespace
 
 void AddObstacles(const PathObstacles& found, nlohmann::json& answer) {
+  answer["wires_known"] = found.are_wires_known;
   if (found.least) {
     answer["obstacle_margin_m"] = found.least->margin_m;
     answer["nearest_obstacle"] = found.least->obstacle_id;

@@ -235,6 +235,7 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
                     answer["sites"].size(),
                     stored.storage.sites.CountOverruled(BoxAround(request.place, search.reach_m))};
   answer["summary"] = SummaryOf(found);
+  answer["wires_known"] = AreWiresKnown(stored, {request.place});
   answer["warnings"] = WarningsOf(found);
   for (const std::string& notice : stored.storage.Notices()) answer["warnings"].push_back(notice);
   return answer;

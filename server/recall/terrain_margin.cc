@@ -98,6 +98,19 @@ std::optional<double> LeastHeightAlong(const std::vector<GeoPoint>& path,
   return least;
 }
 
+// World z of the lowest seen block within about 20 m; nothing if the map has not seen the place.
+std::optional<double> LowestBlockAround(const KeptTerrain& terrain, const Eigen::Vector2d& place) {
+  constexpr double kAroundM = 20.0;
+  const auto middle = terrain.grid.CellAt(place);
+  if (!middle || std::isnan(terrain.upper(*middle))) return std::nullopt;
+  const int reach = std::max(1, static_cast<int>(std::lround(kAroundM / terrain.grid.cell_size_m)));
+  const cv::Rect around(middle->x - reach, middle->y - reach, 2 * reach + 1, 2 * reach + 1);
+  const cv::Mat1f blocks = terrain.upper(around & cv::Rect({}, terrain.upper.size()));
+  double lowest = terrain.upper(*middle);
+  for (const float height : blocks) lowest = std::fmin(lowest, height);
+  return lowest;
+}
+
 }  // namespace
 
 AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
@@ -113,17 +126,40 @@ std::shared_ptr<const KeptTerrain> TerrainBelow(const StoredSites& stored, const
   return stored.maps.TerrainOf(stored.storage, site.map_id);
 }
 
+std::vector<MapBelow> MapsBelow(const StoredSites& stored,
+                                const EmergencyRequest& request,
+                                const std::vector<GeoPoint>& path) {
+  std::vector<MapBelow> maps;
+  for (const auto& row : MapsAlong(stored, path)) {
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
+    if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
+    maps.push_back({terrain, DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain))});
+  }
+  return maps;
+}
+
+std::optional<double> GroundAltitudeAt(const std::vector<MapBelow>& maps, const GeoPoint& place) {
+  std::optional<double> lowest;
+  for (const auto& [terrain, datum] : maps) {
+    const LocalFrame local_frame(terrain->origin);
+    Eigen::Vector3d ground_in_world = local_frame.WorldFromGeo(place);
+    const auto height = LowestBlockAround(*terrain, ground_in_world.head<2>());
+    if (!height) continue;
+    ground_in_world.z() = *height;
+    const double altitude_m =
+        local_frame.GeoFromWorld(ground_in_world).altitude_m + datum.subtracted_m;
+    if (!lowest || altitude_m < *lowest) lowest = altitude_m;
+  }
+  return lowest;
+}
+
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
                                              const std::vector<GeoPoint>& path) {
   std::optional<TerrainMargin> least;
-  for (const auto& row : MapsAlong(stored, path)) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id);
-    if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
+  for (const auto& [terrain, datum] : MapsBelow(stored, request, path)) {
     const auto height = LeastHeightAlong(path, *terrain);
     if (!height) continue;
-    const DatumDifference datum =
-        DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain));
     const double margin_m = *height - datum.subtracted_m;
     if (!least || margin_m < least->margin_m) least = TerrainMargin{margin_m, datum};
   }

@@ -22,6 +22,22 @@ struct TerrainMargin {
 // The map's altitudes, at its middle. Refers to the row's texts.
 AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain);
 
+// A stored map that a path may cross.
+struct MapBelow {
+  std::shared_ptr<const KeptTerrain> terrain;
+  // From the datum of the request's altitudes to the map's.
+  DatumDifference datum;
+};
+// Without maps that cannot be read, or that do not count for the request's flight. The path has at
+// least one point.
+std::vector<MapBelow> MapsBelow(const StoredSites& stored,
+                                const EmergencyRequest& request,
+                                const std::vector<GeoPoint>& path);
+
+// Altitude of the ground in the request's datum: of all maps that have seen the place, the lowest
+// block around it, because blocks have the height of what stands on them. Nothing if none has.
+std::optional<double> GroundAltitudeAt(const std::vector<MapBelow>& maps, const GeoPoint& place);
+
 // Terrain of the map that the site lies on. Nothing if it has none, or if it cannot be read.
 std::shared_ptr<const KeptTerrain> TerrainBelow(const StoredSites& stored, const RecallRow& site);
 

@@ -94,6 +94,16 @@ void SqlFrameStore::SetState(const std::string& flight_id,
                              FrameState state,
                              const std::string& reason) {
   access_.Write([&](Writer& writer) {
+    // Counts each frame once, also if a replay changes its state.
+    writer->Change(
+        "UPDATE flights SET num_rejected_frames = num_rejected_frames + (SELECT CASE WHEN $3 = 2 "
+        "THEN 1 ELSE 0 END - CASE WHEN state = 2 THEN 1 ELSE 0 END FROM frames WHERE flight_id = "
+        "$1 "
+        "AND id = $2) WHERE id = $1 AND EXISTS (SELECT 1 FROM frames WHERE flight_id = $1 AND "
+        "id = $2)",
+        flight_id,
+        frame_id,
+        static_cast<int>(state));
     writer->Change("UPDATE frames SET state = $3, reason = $4 WHERE flight_id = $1 AND id = $2",
                    flight_id,
                    frame_id,

@@ -15,6 +15,7 @@ work="$(mktemp -d)"
 photos="$work/my first field"
 program="freelsdctl.sh"
 source "$root/deploy/steps.sh"
+source "$root/tests/deploy/card.sh"
 trap clear_away EXIT
 
 fail() {
@@ -112,7 +113,7 @@ test_usage() {
   run 1 sites f-none
   said err 'there is no such flight'
   run 1 submit "$work"
-  said err "no photographs .* in $work or $work/images"
+  said err "no photographs .* in $work or its subfolders"
   echo "usage, no server, no flight: as they should be"
 }
 
@@ -178,7 +179,7 @@ test_refusals() {
   printf 'image,lat,lon,alt\n\nframe_0003.jpg,north,8.4,500\n' >"$bad/poses.csv"
   num_before="$(num_flights)"
   run 1 submit "$bad"
-  said err 'poses/3/lat'
+  said err 'line 3: "lat" must be a latitude'
   equal "$(num_flights)" "$num_before" "flights after a refused upload"
   run 1 submit "$bad" --aircraft zeppelin
   said err 'profile: must be one of'
@@ -386,6 +387,7 @@ export FREELSD_URL="$url" XDG_STATE_HOME="$work/state"
 test_usage
 test_submit
 test_images_folder
+test_card
 test_sites
 test_emergency
 test_exports

@@ -99,6 +99,34 @@ TEST_CASE(
   CHECK_FALSE(tiles.info().bounds_deg);
 }
 
+TEST_CASE("mbtiles: zoom levels of the metadata that are none are read from the tiles") {
+  const TemporaryFolder folder;
+  int number = 0;
+  for (const auto& [least, most] : {std::pair{"", ""}, {"far", "1e9"}, {"9", "2"}, {" ", "-1"}}) {
+    const auto path = folder.path() / ("map" + std::to_string(++number));
+    {
+      MbTilesFile file(path);
+      file.SetMetadata("minzoom", least);
+      file.SetMetadata("maxzoom", most);
+      file.AddTile(3, 0, 0, kPngTile);
+      file.AddTile(7, 0, 0, kPngTile);
+    }
+    const MbTiles tiles(path);
+    CHECK(tiles.info().min_zoom == 3);
+    CHECK(tiles.info().max_zoom == 7);
+  }
+}
+
+TEST_CASE("mbtiles: what is still in a write-ahead log is not read past, which is said") {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "map";
+  WriteGoodFile(path);
+  std::ofstream(folder.path() / "map-wal") << "frames";
+  CHECK_THROWS_WITH_AS(MbTiles{path}, doctest::Contains("write-ahead log"), StorageError);
+  std::filesystem::resize_file(folder.path() / "map-wal", 0);
+  CHECK_NOTHROW(MbTiles{path});
+}
+
 TEST_CASE("mbtiles: tiles may be a view, as many programs write them") {
   const TemporaryFolder folder;
   {
@@ -146,7 +174,7 @@ TEST_CASE("mbtiles: what is no MBTiles file with pictures is refused with the re
   MbTilesFile(path, "DELETE FROM tiles").AddTile(-5, 0, 0, kPngTile);
   CheckRefused(path, "zoom level");
   WriteWith(path, "INSERT INTO metadata VALUES ('minzoom', 'far')");
-  CheckRefused(path, "minzoom");
+  CheckRefused(path, "zoom level");
   std::filesystem::remove(path);
   WriteWith(path, "CREATE TABLE metadata (a, b); CREATE TABLE tiles (a, b)");
   CheckRefused(path, "no such column");

@@ -6,7 +6,7 @@ import test from 'node:test';
 import { outerRings, withWholeShapes } from '../../web/antimeridian.js';
 import { plainText } from '../../web/dom.js';
 import { nearestSites } from '../../web/nearest.js';
-import { circleAround, draftOf, faultOf, featureOf, fieldOf } from '../../web/obstacle_shape.js';
+import { circleAround, draftOf, extentOf, faultOf, featureOf, fieldOf } from '../../web/obstacle_shape.js';
 import { offersOf } from '../../web/offers.js';
 import { findRegion } from '../../web/places.js';
 import { atBest } from '../../web/plan.js';
@@ -236,6 +236,16 @@ test('obstacles: altitudes of a stored wire survive an edit; a new point without
   assert.equal(faultOf(draft).field, 'height_m');
   draft.values.height_m = '30';
   assert.deepEqual(featureOf(draft, 0).geometry.coordinates, [[8, 47], [8.1, 47], [8.2, 47]]);
+});
+
+test('obstacles: heights above ground of an airspace survive an edit, unless an altitude is entered', () => {
+  const properties = { kind: 'no_fly', floor_above_ground_m: 300, ceiling_m: 900, altitude_datum: 'amsl' };
+  const stored = { type: 'Feature', id: 'z', properties, geometry: { type: 'Polygon', coordinates: [[[0, 0], [1, 0], [1, 1], [0, 0]]] } };
+  const draft = draftOf(stored);
+  assert.deepEqual(featureOf(draft, 0).properties, properties);
+  assert.equal(extentOf(stored), 'from 300 m above ground to 900 m');
+  draft.values.floor_m = '500';
+  assert.deepEqual(featureOf(draft, 0).properties, { kind: 'no_fly', floor_m: 500, ceiling_m: 900, altitude_datum: 'amsl' });
 });
 
 test('obstacles: the pointer of a problem names the field of the form', () => {

@@ -1,10 +1,16 @@
-#include <memory>
+#include <algorithm>
+#include <array>
+#include <cstdio>
 #include <optional>
 #include <string>
 
+// jerror.h has codes that depend on jpeglib.h.
+// clang-format off
+#include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
 #include <opencv2/imgproc.hpp>
 #include <png.h>
-#include <turbojpeg.h>
 
 #include "api/import/images/image_segments.h"
 #include "api/import/images/images.h"
@@ -12,37 +18,92 @@
 namespace freelsd {
 namespace {
 
-struct CloseHandle {
-  void operator()(void* handle) const { tjDestroy(handle); }
-};
-
 ApiError Damaged(const std::string& detail) { return ApiError("DamagedImage", detail); }
 
-cv::Mat DecodeJpeg(std::string_view bytes, const ImageHeader& header) {
-  // A new handle per call: after an error a handle refuses good photographs.
-  const std::unique_ptr<void, CloseHandle> handle(tjInitDecompress());
-  if (!handle) throw std::runtime_error("turbojpeg: no decoder");
-  const auto* const data = reinterpret_cast<const unsigned char*>(bytes.data());
-  const auto size = static_cast<unsigned long>(bytes.size());
-  int width = 0, height = 0, subsampling = 0, colorspace = 0;
-  if (tjDecompressHeader3(handle.get(), data, size, &width, &height, &subsampling, &colorspace) !=
-      0) {
-    throw Damaged(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
-  }
-  if (width != header.width_px || height != header.height_px) {
-    throw Damaged("JPEG: two frame headers disagree");
-  }
-  if (colorspace == TJCS_CMYK || colorspace == TJCS_YCCK) {
-    throw ApiError("UnsupportedPixels", "a JPEG with four colour channels is not supported");
-  }
-  cv::Mat image(height, width, CV_8UC3);
-  // A warning means damage: the decoder fills the missing rows of a truncated photograph.
-  const int flags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
-  if (tjDecompress2(handle.get(), data, size, image.data, width, 0, height, TJPF_BGR, flags) != 0) {
-    throw Damaged(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
-  }
-  return image;
+// A warning of libjpeg that changes no pixel: of the ends of segments and of headers.
+bool IsHarmless(int code) {
+  return code == JWRN_JPEG_EOF || code == JWRN_EXTRANEOUS_DATA || code == JWRN_NOT_SEQUENTIAL ||
+         code == JWRN_ADOBE_XFORM || code == JWRN_JFIF_MAJOR || code == JWRN_BOGUS_ICC;
 }
+
+// One JPEG. libjpeg reports errors by callbacks that must not return; exceptions pass through it,
+// because it has tables for unwinding, and the destructor frees its memory.
+class JpegReader {
+ public:
+  explicit JpegReader(std::string_view bytes) {
+    decoder_.err = jpeg_std_error(&errors_);
+    decoder_.client_data = this;
+    errors_.error_exit = [](j_common_ptr decoder) { Of(decoder).Fail(); };
+    errors_.emit_message = [](j_common_ptr decoder, int level) {
+      if (level < 0) Of(decoder).Warn();
+    };
+    jpeg_create_decompress(&decoder_);
+    progress_.progress_monitor = [](j_common_ptr decoder) { Of(decoder).LimitScans(); };
+    decoder_.progress = &progress_;
+    jpeg_mem_src(&decoder_,
+                 reinterpret_cast<const unsigned char*>(bytes.data()),
+                 static_cast<unsigned long>(bytes.size()));
+  }
+  ~JpegReader() { jpeg_destroy_decompress(&decoder_); }
+  JpegReader(const JpegReader&) = delete;
+  JpegReader& operator=(const JpegReader&) = delete;
+
+  DecodedImage Read(const ImageHeader& header) {
+    jpeg_read_header(&decoder_, TRUE);
+    if (static_cast<int>(decoder_.image_width) != header.width_px ||
+        static_cast<int>(decoder_.image_height) != header.height_px) {
+      throw Damaged("JPEG: two frame headers disagree");
+    }
+    if (decoder_.jpeg_color_space == JCS_CMYK || decoder_.jpeg_color_space == JCS_YCCK) {
+      throw ApiError("UnsupportedPixels", "a JPEG with four colour channels is not supported");
+    }
+    decoder_.out_color_space = JCS_EXT_BGR;
+    jpeg_start_decompress(&decoder_);
+    DecodedImage image{cv::Mat(header.height_px, header.width_px, CV_8UC3), {}};
+    while (decoder_.output_scanline < decoder_.output_height) {
+      JSAMPROW row = image.pixels.ptr(static_cast<int>(decoder_.output_scanline));
+      jpeg_read_scanlines(&decoder_, &row, 1);
+    }
+    image.warnings = warnings_;
+    return image;
+  }
+
+ private:
+  static JpegReader& Of(j_common_ptr decoder) {
+    return *static_cast<JpegReader*>(decoder->client_data);
+  }
+
+  std::string Message() {
+    std::array<char, JMSG_LENGTH_MAX> text{};
+    errors_.format_message(reinterpret_cast<j_common_ptr>(&decoder_), text.data());
+    return std::string("JPEG: ") + text.data();
+  }
+
+  [[noreturn]] void Fail() { throw Damaged(Message()); }
+
+  // The decoder fills what is missing with grey.
+  void Warn() {
+    if (errors_.msg_code == JWRN_HIT_MARKER) {
+      const auto num_rows = decoder_.image_height;
+      const auto num_missing = num_rows - std::min(num_rows, decoder_.output_scanline);
+      throw Damaged("JPEG: " + std::to_string(num_missing) + " of " + std::to_string(num_rows) +
+                    " rows are missing or damaged: the file is cut");
+    }
+    if (!IsHarmless(errors_.msg_code)) throw Damaged(Message());
+    if (!warnings_.empty()) return;
+    warnings_.push_back(Message() + ": the photograph is whole all the same");
+  }
+
+  void LimitScans() {
+    constexpr int kMaxNumScans = 500;
+    if (decoder_.input_scan_number > kMaxNumScans) throw Damaged("JPEG: too many scans");
+  }
+
+  jpeg_decompress_struct decoder_{};
+  jpeg_error_mgr errors_{};
+  jpeg_progress_mgr progress_{};
+  std::vector<std::string> warnings_;
+};
 
 // Checks the PNG and removes all chunks without pixels. Texts and profiles are deflated too, so a
 // small chunk may unpack to any size.
@@ -102,9 +163,16 @@ cv::Mat DecodePng(std::string_view bytes, const ImageHeader& header) {
 
 }  // namespace
 
-cv::Mat DecodeImage(std::string_view bytes, const ImageLimits& limits) {
+DecodedImage DecodeAndTell(std::string_view bytes, const ImageLimits& limits) {
   const ImageHeader header = SniffImage(bytes, limits);
-  return header.is_jpeg ? DecodeJpeg(bytes, header) : DecodePng(bytes, header);
+  if (!header.is_jpeg) return {DecodePng(bytes, header), {}};
+  // The rest of a file that was cut may be zeros, which would decode as pixels.
+  bytes.remove_suffix(bytes.size() - 1 - bytes.find_last_not_of('\0'));
+  return JpegReader(bytes).Read(header);
+}
+
+cv::Mat DecodeImage(std::string_view bytes, const ImageLimits& limits) {
+  return DecodeAndTell(bytes, limits).pixels;
 }
 
 }  // namespace freelsd

@@ -17,6 +17,12 @@ constexpr std::string_view kXmpHeader = "http://ns.adobe.com/xap/1.0/\0"sv;
 // Uncompressed international text: keyword, compression flag and method 0, no language.
 constexpr std::string_view kPngXmpHeader = "XML:com.adobe.xmp\0\0\0\0\0"sv;
 constexpr size_t kPngChunkOverhead = 12;  // length, type, CRC
+// Programs that edit tags leave a second block. More of them are hostile.
+constexpr size_t kMaxNumBlocks = 4;
+
+void Add(std::string_view block, std::vector<std::string_view>& blocks) {
+  if (blocks.size() < kMaxNumBlocks) blocks.push_back(block);
+}
 
 uint32_t Byte(std::string_view bytes, size_t at) { return static_cast<unsigned char>(bytes[at]); }
 
@@ -27,10 +33,10 @@ MetadataBlocks FindInJpeg(std::string_view bytes) {
   for (const JpegSegment& segment : JpegSegments(bytes)) {
     if (segment.marker != 0xE1) continue;
     const std::string_view payload = segment.payload;
-    if (blocks.exif.empty() && payload.substr(0, kExifHeader.size()) == kExifHeader) {
-      blocks.exif = payload.substr(kExifHeader.size());
-    } else if (blocks.xmp.empty() && payload.substr(0, kXmpHeader.size()) == kXmpHeader) {
-      blocks.xmp = payload.substr(kXmpHeader.size());
+    if (payload.starts_with(kExifHeader)) {
+      Add(payload.substr(kExifHeader.size()), blocks.exif);
+    } else if (payload.starts_with(kXmpHeader)) {
+      Add(payload.substr(kXmpHeader.size()), blocks.xmp);
     }
   }
   return blocks;
@@ -42,9 +48,9 @@ MetadataBlocks FindInPng(std::string_view bytes) {
   while (const std::optional<PngChunk> chunk = chunks.Next()) {
     const std::string_view payload = chunk->payload;
     if (chunk->type == "eXIf") {
-      blocks.exif = payload;
+      Add(payload, blocks.exif);
     } else if (chunk->type == "iTXt" && payload.substr(0, kPngXmpHeader.size()) == kPngXmpHeader) {
-      blocks.xmp = payload.substr(kPngXmpHeader.size());
+      Add(payload.substr(kPngXmpHeader.size()), blocks.xmp);
     }
   }
   return blocks;
@@ -60,7 +66,8 @@ uint32_t BigEndian32(std::string_view bytes, size_t at) {
   return BigEndian16(bytes, at) << 16 | BigEndian16(bytes, at + 2);
 }
 
-bool IsJpeg(std::string_view bytes) { return bytes.substr(0, 3) == "\xFF\xD8\xFF"sv; }
+// As libjpeg, which skips bytes before the second marker.
+bool IsJpeg(std::string_view bytes) { return bytes.size() > 3 && bytes.starts_with("\xFF\xD8"sv); }
 
 bool IsPng(std::string_view bytes) {
   return bytes.substr(0, kPngSignature.size()) == kPngSignature;
@@ -75,10 +82,9 @@ std::vector<JpegSegment> JpegSegments(std::string_view bytes) {
   std::vector<JpegSegment> segments;
   size_t at = 2;
   while (at + 4 <= bytes.size() && segments.size() < kLimits.tags.max_num_segments) {
-    if (Byte(bytes, at) != 0xFF) break;
     const auto marker = static_cast<uint8_t>(Byte(bytes, at + 1));
-    if (marker == 0xFF || IsStandalone(marker)) {
-      at += marker == 0xFF ? 1 : 2;
+    if (Byte(bytes, at) != 0xFF || marker == 0xFF || marker == 0 || IsStandalone(marker)) {
+      ++at;
       continue;
     }
     const size_t length = BigEndian16(bytes, at + 2);

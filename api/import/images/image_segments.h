@@ -16,7 +16,7 @@ struct JpegSegment {
   uint8_t marker = 0;  // 0xE1 for APP1, ...
   std::string_view payload;
 };
-// Segments up to the start of the first scan.
+// Segments up to the start of the first scan. Bytes between segments are skipped, as libjpeg does.
 // The list ends early if it reaches TagLimits::max_num_segments.
 // It also ends early where the bytes are not valid JPEG.
 std::vector<JpegSegment> JpegSegments(std::string_view bytes);
@@ -42,10 +42,10 @@ class PngChunks {
   size_t at_;
 };
 
-// EXIF (from the TIFF header on) and XMP (XML text) of a JPEG or PNG. Empty if absent.
+// EXIF (from the TIFF header on) and XMP (XML text) of a JPEG or PNG, in the order of the file.
 struct MetadataBlocks {
-  std::string_view exif;
-  std::string_view xmp;
+  std::vector<std::string_view> exif;
+  std::vector<std::string_view> xmp;
 };
 MetadataBlocks FindMetadata(std::string_view bytes);
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 #include "api/import/date_time.h"
 
@@ -14,6 +15,7 @@ constexpr int64_t kQuarterUs = 15 * 60 * kSecondUs;
 // Receivers tag whole seconds, and the fix of a moment before. A camera's clock that is so near is
 // right, and tells the moment of exposure better.
 constexpr int64_t kMaxFixAgeUs = 3 * kSecondUs;
+constexpr int64_t kRolloverUs = 1024 * 7 * int64_t{86400} * kSecondUs;
 
 // The camera's clock, read as UTC where the tags tell no offset.
 struct CameraTime {
@@ -50,16 +52,20 @@ std::optional<int64_t> UtcTime(const TagSource& tags) {
 }
 
 std::optional<CameraTime> TimeOfExif(const TagSource& tags) {
-  for (const bool is_original : {true, false}) {
-    const std::string suffix = is_original ? "Original" : "Digitized";
-    const std::optional<std::string> text = tags.ExifText("Exif.Photo.DateTime" + suffix);
-    const std::optional<int64_t> time = text ? TimestampFromText(*text) : std::nullopt;
+  // Names of exiv2, and of the offsets of EXIF 2.31, which it does not know. The last one is of the
+  // file: a program that edits the photograph may change it.
+  for (const auto& [name, suffix, offset_name] :
+       {std::tuple("Exif.Photo.DateTimeOriginal", "Original", "Exif.Photo.0x9011"),
+        {"Exif.Photo.DateTimeDigitized", "Digitized", "Exif.Photo.0x9012"},
+        {"Exif.Image.DateTime", "", "Exif.Photo.0x9010"}}) {
+    const std::optional<std::string> text = tags.ExifText(name);
+    const std::optional<int64_t> time = IfPlausible(text ? TimestampFromText(*text) : std::nullopt);
     if (!time) continue;
-    const std::string fraction = tags.ExifText("Exif.Photo.SubSecTime" + suffix).value_or("0");
-    // Offsets of EXIF 2.31.
+    const std::string fraction =
+        tags.ExifText(std::string("Exif.Photo.SubSecTime") + suffix).value_or("0");
     const std::string offset_text =
-        tags.ExifText(is_original ? "Exif.Photo.0x9011" : "Exif.Photo.0x9012")
-            .value_or(tags.ExifText("Exif.Photo.OffsetTime" + suffix).value_or(""));
+        tags.ExifText(offset_name)
+            .value_or(tags.ExifText(std::string("Exif.Photo.OffsetTime") + suffix).value_or(""));
     const std::optional<int64_t> offset = OffsetFromText(offset_text);
     return CameraTime{*time + FractionFromText(fraction).value_or(0) - offset.value_or(0),
                       offset.has_value() || HasOffset(*text)};
@@ -70,7 +76,8 @@ std::optional<CameraTime> TimeOfExif(const TagSource& tags) {
 std::optional<CameraTime> TimeOfXmp(const TagSource& tags) {
   for (const auto& [prefix, name] : {std::pair("exif", "DateTimeOriginal"),
                                      {"photoshop", "DateCreated"},
-                                     {"xmp", "CreateDate"}}) {
+                                     {"xmp", "CreateDate"},
+                                     {"xmp", "ModifyDate"}}) {
     const std::optional<std::string> text = tags.XmpText(prefix, name);
     const std::optional<int64_t> time = text ? TimestampFromText(*text) : std::nullopt;
     if (time) return CameraTime{*time, HasOffset(*text)};
@@ -98,6 +105,15 @@ std::string WrongClock(int64_t behind_us) {
 TaggedTime TimeFromTags(const TagSource& tags) {
   const std::optional<int64_t> utc = UtcTime(tags);
   const std::optional<CameraTime> clock = ClockTime(tags);
+  // Old receivers count weeks to 1024 and begin again.
+  const std::optional<int64_t> receiver = ReceiverTime(tags);
+  if (clock && receiver &&
+      std::abs(*receiver + kRolloverUs - clock->timestamp_us) <= kMaxUtcOffsetUs + kQuarterUs) {
+    return {*receiver + kRolloverUs,
+            TimeSource::kGps,
+            {"the receiver's date is 1024 weeks behind the camera's: its week number has rolled "
+             "over and is corrected"}};
+  }
   if (!utc) {
     if (!clock) return {};
     const TimeSource source = clock->has_offset ? TimeSource::kCamera : TimeSource::kCameraLocal;

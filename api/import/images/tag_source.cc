@@ -9,15 +9,16 @@
 #include <exiv2/exiv2.hpp>
 
 #include "api/import/images/image_segments.h"
+#include "api/import/images/xmp.h"
 #include "api/import/number_text.h"
 #include "api/limits.h"
 
 namespace freelsd {
 namespace {
 
-// The list of XMP namespaces is global and grows while exiv2 reads.
+// exiv2 reads XMP within EXIF with global state.
 std::mutex& Exiv2Mutex() {
-  static std::mutex mutex;  // Guards exiv2's global list of XMP namespaces.
+  static std::mutex mutex;
   return mutex;
 }
 
@@ -29,31 +30,13 @@ void PrepareExiv2() {
   static_cast<void>(kIsReady);
 }
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
-
-// Refuses common attacks on XML readers: entities, encodings other than UTF-8, deep nesting.
-bool IsHarmlessXmp(std::string_view packet) {
-  if (packet.find('\0') != std::string_view::npos) return false;
-  if (packet.find("<!") != std::string_view::npos) return false;
-  int depth = 0;
-  size_t end = 0;
-  for (size_t at = packet.find('<'); at != std::string_view::npos; at = packet.find('<', end)) {
-    end = packet.find('>', at);
-    if (end == std::string_view::npos) return false;
-    const char next = packet[at + 1];
-    if (next == '/') {
-      --depth;
-    } else if (next != '?' && packet[end - 1] != '/' && ++depth > kLimits.tags.max_xmp_depth) {
-      return false;
-    }
-  }
-  return true;
+// Some programs write decimal commas.
+std::optional<double> DecimalFromText(std::string text) {
+  const size_t comma = text.find(',');
+  const bool is_decimal =
+      comma != std::string::npos && comma == text.rfind(',') && text.find('.') == std::string::npos;
+  if (is_decimal) text[comma] = '.';
+  return NumberFromText(text);
 }
 
 double ComponentOf(const Exiv2::Exifdatum& datum, long index) {
@@ -81,54 +64,48 @@ bool IsNumeric(Exiv2::TypeId type) {
 
 TagSource::TagSource(std::string_view image_bytes) {
   const MetadataBlocks blocks = FindMetadata(image_bytes);
-  const std::lock_guard<std::mutex> lock(Exiv2Mutex());
-  PrepareExiv2();
-  // Tags are optional, so tags that exiv2 cannot read count as absent.
-  try {
-    ReadExif(blocks.exif);
-  } catch (const std::exception&) {
-    exif_text_.clear();
-    exif_numbers_.clear();
-  }
-  try {
-    ReadXmp(blocks.xmp);
-  } catch (const std::exception&) {
-    xmp_.clear();
+  for (const std::string_view block : blocks.exif) ReadExif(block);
+  for (const std::string_view block : blocks.xmp) {
+    XmpProperties read = ReadXmp(block);
+    xmp_.merge(read.values);
+    warnings_.insert(warnings_.end(), read.warnings.begin(), read.warnings.end());
   }
 }
 
 void TagSource::ReadExif(std::string_view block) {
-  if (block.empty() || block.size() > kLimits.tags.max_block_bytes) return;
+  const std::lock_guard<std::mutex> lock(Exiv2Mutex());
+  PrepareExiv2();
   Exiv2::ExifData data;
-  Exiv2::ExifParser::decode(data,
-                            reinterpret_cast<const Exiv2::byte*>(block.data()),
-                            static_cast<uint32_t>(block.size()));
-  for (const Exiv2::Exifdatum& datum : data) {
-    const std::string group = datum.groupName();
-    if (group != "Image" && group != "Photo" && group != "GPSInfo") continue;
-    if (datum.typeId() == Exiv2::asciiString) {
-      exif_text_.emplace(
-          datum.key(),
-          std::string(Trimmed(datum.toString())).substr(0, kLimits.tags.max_text_bytes));
-    } else if (IsNumeric(datum.typeId())) {
-      std::vector<double> numbers;
-      const long count = std::min<long>(datum.count(), kLimits.tags.max_num_components);
-      for (long i = 0; i < count; ++i) numbers.push_back(ComponentOf(datum, i));
-      exif_numbers_.emplace(datum.key(), numbers);
+  try {
+    if (block.size() <= kLimits.tags.max_block_bytes) {
+      Exiv2::ExifParser::decode(data,
+                                reinterpret_cast<const Exiv2::byte*>(block.data()),
+                                static_cast<uint32_t>(block.size()));
     }
+  } catch (const std::exception&) {
+    data.clear();
+  }
+  if (data.empty()) warnings_.emplace_back("the EXIF is damaged or too large: it is not read");
+  for (const Exiv2::Exifdatum& datum : data) Keep(datum);
+}
+
+void TagSource::Keep(const Exiv2::Exifdatum& datum) {
+  const std::string group = datum.groupName();
+  if (group != "Image" && group != "Photo" && group != "GPSInfo") return;
+  if (datum.typeId() == Exiv2::asciiString) {
+    exif_text_.emplace(
+        datum.key(), std::string(Trimmed(datum.toString())).substr(0, kLimits.tags.max_text_bytes));
+  } else if (IsNumeric(datum.typeId())) {
+    std::vector<double> numbers;
+    const long count = std::min<long>(datum.count(), kLimits.tags.max_num_components);
+    for (long i = 0; i < count; ++i) numbers.push_back(ComponentOf(datum, i));
+    exif_numbers_.emplace(datum.key(), numbers);
   }
 }
 
-void TagSource::ReadXmp(std::string_view block) {
-  if (block.empty() || block.size() > kLimits.tags.max_block_bytes || !IsHarmlessXmp(block)) return;
-  Exiv2::XmpData data;
-  if (Exiv2::XmpParser::decode(data, std::string(block)) != 0) return;
-  for (const Exiv2::Xmpdatum& datum : data) {
-    const std::string text = datum.toString();
-    if (text.size() > kLimits.tags.max_text_bytes) continue;
-    xmp_.emplace(Lower(datum.groupName() + "." + datum.tagName()), text);
-  }
-  Exiv2::XmpProperties::unregisterNs();
+std::vector<double> TagSource::ExifNumbers(const std::string& key) const {
+  const auto found = exif_numbers_.find(key);
+  return found == exif_numbers_.end() ? std::vector<double>{} : found->second;
 }
 
 std::optional<double> TagSource::ExifNumber(const std::string& key, size_t index) const {
@@ -147,8 +124,8 @@ std::optional<std::string> TagSource::ExifText(const std::string& key) const {
 
 std::optional<std::string> TagSource::XmpText(std::string_view prefix,
                                               std::string_view name) const {
-  const std::string wanted_prefix = Lower(prefix);
-  const std::string wanted_name = Lower(std::string(".").append(name));
+  const std::string wanted_prefix = InLowerCase(prefix);
+  const std::string wanted_name = InLowerCase(std::string(".").append(name));
   for (auto tag = xmp_.lower_bound(wanted_prefix); tag != xmp_.end(); ++tag) {
     const std::string& key = tag->first;
     if (key.rfind(wanted_prefix, 0) != 0) break;
@@ -162,7 +139,7 @@ std::optional<std::string> TagSource::XmpText(std::string_view prefix,
 
 std::optional<double> TagSource::XmpNumber(std::string_view prefix, std::string_view name) const {
   const std::optional<std::string> text = XmpText(prefix, name);
-  return text ? NumberFromText(*text) : std::nullopt;
+  return text ? DecimalFromText(*text) : std::nullopt;
 }
 
 std::vector<double> TagSource::XmpNumbers(std::string_view prefix, std::string_view name) const {

@@ -1,4 +1,5 @@
-// Tags of an image by name, as text or numbers. A missing or malformed tag counts as absent.
+// Tags of an image by name, as text or numbers. A missing or malformed tag counts as absent. Of a
+// tag that several blocks have, the first one counts.
 #pragma once
 
 #include <map>
@@ -6,6 +7,10 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace Exiv2 {
+class Exifdatum;
+}
 
 namespace freelsd {
 
@@ -17,6 +22,8 @@ class TagSource {
 
   // `key` is exiv2's name, for example "Exif.GPSInfo.GPSLatitude"; `index` is the component.
   std::optional<double> ExifNumber(const std::string& key, size_t index = 0) const;
+  // All components; NaN where one is no number. Empty without the tag.
+  std::vector<double> ExifNumbers(const std::string& key) const;
   std::optional<std::string> ExifText(const std::string& key) const;
   // Searches the namespaces whose prefix starts with `prefix`, ignoring case.
   std::optional<double> XmpNumber(std::string_view prefix, std::string_view name) const;
@@ -24,14 +31,18 @@ class TagSource {
   // Reads comma-separated numbers. Empty if one of them is no number.
   std::vector<double> XmpNumbers(std::string_view prefix, std::string_view name) const;
 
+  // Blocks and properties that could not be read.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
  private:
   void ReadExif(std::string_view block);
-  void ReadXmp(std::string_view block);
+  void Keep(const Exiv2::Exifdatum& datum);
 
   std::map<std::string, std::string> exif_text_;
   std::map<std::string, std::vector<double>> exif_numbers_;
   // By lower-case "prefix.name".
   std::map<std::string, std::string> xmp_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace freelsd

@@ -6,6 +6,7 @@
 
 #include <archive.h>
 #include <archive_entry.h>
+#include <locale.h>
 #include <sys/stat.h>
 
 #include "api/import/images/images.h"
@@ -20,6 +21,24 @@ struct CloseArchive {
   void operator()(archive* opened) const { archive_read_free(opened); }
 };
 using Archive = std::unique_ptr<archive, CloseArchive>;
+
+// The library converts names to the thread's locale, and has no name in the plain one.
+class Utf8Names {
+ public:
+  Utf8Names()
+      : utf8_(newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr)),
+        before_(uselocale(utf8_ == nullptr ? LC_GLOBAL_LOCALE : utf8_)) {}
+  ~Utf8Names() {
+    uselocale(before_);
+    if (utf8_ != nullptr) freelocale(utf8_);
+  }
+  Utf8Names(const Utf8Names&) = delete;
+  Utf8Names& operator=(const Utf8Names&) = delete;
+
+ private:
+  locale_t utf8_;
+  locale_t before_;
+};
 
 ApiError Refused(const std::string& detail) { return ApiError("ZipRefused", detail); }
 
@@ -71,26 +90,17 @@ void CheckName(const std::string& name) {
   }
 }
 
-// True for files that file managers add to archives.
-bool IsLeftBehind(const std::string& name) {
-  const size_t folder = name.find_last_of("/\\");
-  const std::string file = folder == std::string::npos ? name : name.substr(folder + 1);
-  return name.rfind("__MACOSX/", 0) == 0 || file == ".DS_Store" || file == "Thumbs.db" ||
-         file == "desktop.ini";
-}
-
-// Nothing for folders and files of file managers. Refuses entries that are not plain files.
-std::optional<std::string> PathOf(archive_entry* entry) {
-  const std::string name = NameOf(entry);
+// Whether the entry is a file that is wanted. Refuses entries that are not plain files.
+bool IsWanted(archive_entry* entry, const std::string& name) {
   CheckName(name);
   const auto type = archive_entry_filetype(entry);
-  if (type == AE_IFDIR || IsLeftBehind(name)) return std::nullopt;
+  if (type == AE_IFDIR || IsLeftover(name)) return false;
   if (type != AE_IFREG || archive_entry_hardlink(entry) != nullptr ||
       archive_entry_symlink(entry) != nullptr) {
     throw Refused("an entry of the zip archive is not a plain file");
   }
   if (archive_entry_is_encrypted(entry) != 0) throw Refused("the zip archive is encrypted");
-  return name;
+  return true;
 }
 
 // Counts the unpacked bytes because a directory may state wrong sizes.
@@ -152,21 +162,18 @@ void CheckDirectory(const std::string& path, const ZipLimits& limits) {
   RefuseTooMany(NumEntriesTold(path), limits);
   Allowance allowance(path, limits);
   const Archive opened = Open(path);
-  std::set<std::string> ids;
+  std::set<std::string> names;
   int num_entries = 0;
   while (archive_entry* const entry = NextEntry(opened)) {
     RefuseTooMany(++num_entries, limits);
-    const std::optional<std::string> path_in_zip = PathOf(entry);
-    if (!path_in_zip) continue;
-    const FileKind kind = KindByName(*path_in_zip);
-    if (kind == FileKind::kUnread) continue;
+    const std::string name = NameOf(entry);
+    if (!IsWanted(entry, name)) continue;
+    if (KindByName(name) == FileKind::kUnread) continue;
     // A zip bomb may state its true size.
     const auto told = static_cast<size_t>(std::max<int64_t>(0, archive_entry_size(entry)));
     allowance.Take(told, told);
-    const bool is_image = kind == FileKind::kImage;
-    const std::string id = is_image ? IdFromFileName(*path_in_zip) : *path_in_zip;
-    if (!ids.insert(id).second) {
-      throw Refused("two entries of the zip archive have the id \"" + IdFromFileName(id) + "\"");
+    if (!names.insert(name).second) {
+      throw Refused("two entries of the zip archive are called \"" + ShownPath(name) + "\"");
     }
   }
 }
@@ -190,18 +197,24 @@ std::string ReadEntry(const Archive& opened, archive_entry* entry, Allowance& al
 
 }  // namespace
 
-void ReadZip(const std::string& path,
-             const ZipLimits& limits,
-             const std::function<void(const std::string& path, std::string&& bytes)>& entry) {
+size_t ReadZip(const std::string& path,
+               const ZipLimits& limits,
+               const std::function<void(const std::string& path, std::string&& bytes)>& entry) {
+  const Utf8Names names;
   CheckDirectory(path, limits);
   Allowance allowance(path, limits);
   const Archive opened = Open(path);
+  size_t num_leftovers = 0;
   while (archive_entry* const next = NextEntry(opened)) {
-    const std::optional<std::string> path_in_zip = PathOf(next);
-    if (!path_in_zip) continue;
-    const bool is_read = KindByName(*path_in_zip) != FileKind::kUnread;
-    entry(*path_in_zip, is_read ? ReadEntry(opened, next, allowance) : "");
+    const std::string name = NameOf(next);
+    if (!IsWanted(next, name)) {
+      num_leftovers += archive_entry_filetype(next) == AE_IFDIR ? 0 : 1;
+      continue;
+    }
+    const bool is_read = KindByName(name) != FileKind::kUnread;
+    entry(name, is_read ? ReadEntry(opened, next, allowance) : "");
   }
+  return num_leftovers;
 }
 
 }  // namespace freelsd

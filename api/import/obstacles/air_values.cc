@@ -1,10 +1,12 @@
 #include "api/import/obstacles/air_values.h"
 
+#include <algorithm>
 #include <cctype>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "api/import/angle_text.h"
 #include "api/import/number_text.h"
 
 namespace freelsd {
@@ -25,45 +27,8 @@ std::string Upper(std::string_view text) {
   return upper;
 }
 
-// "47:35:24", "47:35.4" or "47.59" in degrees.
-std::optional<double> DegreesFromText(std::string_view text) {
-  double degrees = 0.0, unit = 1.0;
-  for (int part = 0; part < 3; ++part) {
-    const size_t colon = text.find(':');
-    const std::string_view digits = Trimmed(text.substr(0, colon));
-    if (digits.empty() || !IsDigit(digits.front())) return std::nullopt;
-    const std::optional<double> number = NumberFromText(digits);
-    if (!number || *number < 0.0 || (part > 0 && *number >= 60.0)) return std::nullopt;
-    degrees += *number / unit;
-    unit *= 60.0;
-    if (colon == std::string_view::npos) return degrees;
-    text.remove_prefix(colon + 1);
-  }
-  return std::nullopt;
-}
-
-struct Hemisphere {
-  char positive;
-  char negative;
-  double max_deg;
-};
-
-// Removes one angle and its letter from the beginning of the text.
-std::optional<double> TakeAngle(std::string_view& text, const Hemisphere& hemisphere) {
-  size_t at = 0;
-  while (at < text.size() && text[at] != hemisphere.positive && text[at] != hemisphere.negative) {
-    ++at;
-  }
-  if (at == text.size()) return std::nullopt;
-  const std::optional<double> degrees = DegreesFromText(Trimmed(text.substr(0, at)));
-  const bool is_negative = text[at] == hemisphere.negative;
-  text.remove_prefix(at + 1);
-  if (!degrees || *degrees > hemisphere.max_deg) return std::nullopt;
-  return is_negative ? -*degrees : *degrees;
-}
-
 // Numbers and words, also where nothing stands between them: "4500FT" are two.
-std::vector<std::string> WordsOf(const std::string& text) {
+std::vector<std::string> AltitudeWordsOf(const std::string& text) {
   std::vector<std::string> words;
   bool was_number = false;
   for (const char c : text) {
@@ -87,8 +52,8 @@ struct AltitudeWords {
   double unit_m = kMetresPerFoot;
   bool is_flight_level = false;
   bool is_above_ground = false;
-  // The ground, or unlimited.
-  bool is_limit = false;
+  bool is_ground = false;
+  bool is_unlimited = false;
 };
 
 // False if the word has no meaning here.
@@ -102,37 +67,66 @@ bool Take(const std::string& word, AltitudeWords& words) {
   if (word == "M") words.unit_m = 1.0;
   words.is_flight_level |= word == "FL";
   words.is_above_ground |= word == "AGL" || word == "ASFC";
-  words.is_limit |= word == "GND" || word == "SFC" || word.starts_with("UNL");
-  static const std::set<std::string> kKnown{
-      "FL", "M", "AGL", "ASFC", "GND", "SFC", "FT", "F", "MSL", "AMSL", "ALT", "STD"};
+  words.is_ground |= word == "GND" || word == "SFC" || word == "GROUND" || word == "SURFACE";
+  words.is_unlimited |= word.starts_with("UNL");
+  static const std::set<std::string> kKnown{"FL",
+                                            "M",
+                                            "AGL",
+                                            "ASFC",
+                                            "GND",
+                                            "SFC",
+                                            "GROUND",
+                                            "SURFACE",
+                                            "FT",
+                                            "F",
+                                            "FEET",
+                                            "MSL",
+                                            "AMSL",
+                                            "ALT",
+                                            "STD"};
   return kKnown.contains(word) || word.starts_with("UNL");
 }
 
 }  // namespace
 
 std::optional<GeoPoint> CoordinatesFromText(std::string_view text) {
-  const std::string upper = Upper(text);
-  std::string_view rest = upper;
-  const std::optional<double> latitude_deg = TakeAngle(rest, {'N', 'S', 90.0});
-  if (!latitude_deg) return std::nullopt;
-  while (!rest.empty() && (rest.front() == ' ' || rest.front() == ',')) rest.remove_prefix(1);
-  const std::optional<double> longitude_deg = TakeAngle(rest, {'E', 'W', 180.0});
-  if (!longitude_deg || !Trimmed(rest).empty()) return std::nullopt;
+  const std::string upper = Upper(Trimmed(text));
+  // Letters stand behind both angles, or before both.
+  const size_t pole = upper.find_first_of("NS");
+  const size_t side = upper.find_first_of("EW");
+  if (pole == std::string::npos || side == std::string::npos) return std::nullopt;
+  const std::string_view both = upper;
+  const size_t split = pole == 0 ? side : pole + 1;
+  std::string_view second = both.substr(split);
+  second.remove_prefix(std::min(second.find_first_not_of(" ,\t"), second.size()));
+  const std::string_view first = both.substr(0, split);
+  const auto latitude_deg =
+      AngleFromText(first.substr(0, first.find_last_not_of(" ,\t") + 1), Axis::kLatitude);
+  const auto longitude_deg = AngleFromText(second, Axis::kLongitude);
+  if (!latitude_deg || !longitude_deg) return std::nullopt;
   return GeoPoint{*latitude_deg, *longitude_deg, 0.0};
 }
 
 std::optional<AirAltitude> AirAltitudeFromText(std::string_view text) {
   AltitudeWords words;
-  for (const std::string& word : WordsOf(Upper(text))) {
+  for (const std::string& word : AltitudeWordsOf(Upper(text))) {
     if (!Take(word, words)) return std::nullopt;
   }
-  if (!words.number) return words.is_limit ? std::optional(AirAltitude{}) : std::nullopt;
+  const bool is_ground = words.is_ground || (words.is_above_ground && words.number == 0.0);
+  if (!words.number && !words.is_unlimited) {
+    return is_ground ? std::optional(AirAltitude{AirAltitude::Kind::kGround, 0.0}) : std::nullopt;
+  }
+  if (!words.number) return AirAltitude{AirAltitude::Kind::kUnlimited, 0.0};
   if (words.is_flight_level && *words.number > kMaxFlightLevel) return std::nullopt;
-  // "1000 GND" is above ground too.
-  if (words.is_above_ground || words.is_limit) return AirAltitude{{}, *words.number > 0.0};
   const double altitude_m = *words.number * words.unit_m;
-  if (altitude_m > kMaxAltitudeM) return AirAltitude{};
-  return AirAltitude{altitude_m, false};
+  if (altitude_m > kMaxAltitudeM) return AirAltitude{AirAltitude::Kind::kUnlimited, 0.0};
+  // "1000 GND" is above ground too, and 0 is the ground.
+  if (words.is_above_ground || words.is_ground) {
+    return AirAltitude{
+        altitude_m > 0.0 ? AirAltitude::Kind::kAboveGround : AirAltitude::Kind::kGround,
+        altitude_m};
+  }
+  return AirAltitude{AirAltitude::Kind::kAboveSea, altitude_m};
 }
 
 }  // namespace freelsd

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -9,17 +10,21 @@
 #include "api/import/import.h"
 #include "api/import/obstacles/obstacles.h"
 #include "api/import/obstacles/shape.h"
+#include "api/import/utf8.h"
 #include "api/json_reader.h"
 
 namespace freelsd {
 namespace {
 
-constexpr std::pair<ObstacleKind, const char*> kKindNames[] = {{ObstacleKind::kWire, "wire"},
-                                                               {ObstacleKind::kMast, "mast"},
-                                                               {ObstacleKind::kNoFly, "no_fly"},
-                                                               {ObstacleKind::kPeople, "people"}};
+constexpr std::pair<ObstacleKind, const char*> kKindNames[] = {
+    {ObstacleKind::kWire, "wire"},
+    {ObstacleKind::kMast, "mast"},
+    {ObstacleKind::kNoFly, "no_fly"},
+    {ObstacleKind::kPeople, "people"},
+    {ObstacleKind::kWiresKnown, "wires_known"}};
 constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
 constexpr NumberRange kHeightRange{0.1, 1000.0};
+constexpr NumberRange kAirspaceHeightRange{0.0, 20000.0};
 constexpr NumberRange kSdRange{0.0, 500.0};
 // Where it is not given: of a line or mast read from a good map, and of people.
 constexpr double kDefaultSdM = 5.0;
@@ -51,7 +56,8 @@ ObstacleKind ReadKind(ObjectReader& properties) {
   for (const auto& [kind, name] : kKindNames) {
     if (text == name) return kind;
   }
-  throw InvalidValue(properties.PointerTo("kind"), "kind: must be wire, mast, no_fly or people");
+  throw InvalidValue(properties.PointerTo("kind"),
+                     "kind: must be wire, mast, no_fly, people or wires_known");
 }
 
 GeoPoint ReadPosition(const nlohmann::json& value, const std::string& pointer) {
@@ -151,14 +157,14 @@ void ReadGeometry(const nlohmann::json& value, const std::string& pointer, Given
     read.points = {ReadPosition(coordinates, at)};
   } else if (type == "LineString" && kind == ObstacleKind::kWire) {
     read.points = ReadPositions(coordinates, at, 2);
-  } else if (type == "Polygon" && (kind == ObstacleKind::kNoFly || kind == ObstacleKind::kPeople)) {
+  } else if (type == "Polygon" && kind != ObstacleKind::kWire && kind != ObstacleKind::kMast) {
     read.points = ReadRing(coordinates, at);
     read.is_area = true;
   } else {
-    const std::string wanted = kind == ObstacleKind::kWire    ? "LineString"
-                               : kind == ObstacleKind::kMast  ? "Point"
-                               : kind == ObstacleKind::kNoFly ? "Polygon"
-                                                              : "Point or Polygon";
+    const std::string wanted = kind == ObstacleKind::kWire     ? "LineString"
+                               : kind == ObstacleKind::kMast   ? "Point"
+                               : kind == ObstacleKind::kPeople ? "Point or Polygon"
+                                                               : "Polygon";
     throw InvalidValue(
         reader.PointerTo("type"),
         "type: the geometry of " + std::string(NameOf(kind)) + " must be a " + wanted);
@@ -174,15 +180,27 @@ void RefuseFor(ObjectReader& properties, const char* key, bool is_meant, const c
 
 void ReadHeights(ObjectReader& properties, GivenObstacle& read) {
   const bool is_airspace = read.kind == ObstacleKind::kNoFly;
-  const bool is_people = read.kind == ObstacleKind::kPeople;
   RefuseFor(properties, "floor_m", is_airspace, "no_fly");
   RefuseFor(properties, "ceiling_m", is_airspace, "no_fly");
-  RefuseFor(properties, "height_m", !is_airspace && !is_people, "wire and mast");
+  RefuseFor(properties, "floor_above_ground_m", is_airspace, "no_fly");
+  RefuseFor(properties, "ceiling_above_ground_m", is_airspace, "no_fly");
+  const bool has_top = read.kind == ObstacleKind::kWire || read.kind == ObstacleKind::kMast;
+  RefuseFor(properties, "height_m", has_top, "wire and mast");
   read.floor_m = properties.Number("floor_m", kAltitudeRange);
   read.ceiling_m = properties.Number("ceiling_m", kAltitudeRange);
+  read.floor_above_ground_m = properties.Number("floor_above_ground_m", kAirspaceHeightRange);
+  read.ceiling_above_ground_m = properties.Number("ceiling_above_ground_m", kAirspaceHeightRange);
   read.height_m = properties.Number("height_m", kHeightRange);
-  if (read.floor_m && read.ceiling_m && *read.floor_m >= *read.ceiling_m) {
-    throw InvalidValue(properties.PointerTo("floor_m"), "floor_m: must be below ceiling_m");
+  const auto require_below = [&](const char* key, const auto& floor, const auto& ceiling) {
+    if (!floor || !ceiling || *floor < *ceiling) return;
+    throw InvalidValue(properties.PointerTo(key), std::string(key) + ": must be below its ceiling");
+  };
+  require_below("floor_m", read.floor_m, read.ceiling_m);
+  require_below("floor_above_ground_m", read.floor_above_ground_m, read.ceiling_above_ground_m);
+  if ((read.floor_m && read.floor_above_ground_m) ||
+      (read.ceiling_m && read.ceiling_above_ground_m)) {
+    throw InvalidValue(properties.PointerTo("floor_above_ground_m"),
+                       "floor and ceiling: each is an altitude or a height above ground, not both");
   }
 }
 
@@ -283,6 +301,8 @@ GivenObstacle ReadFeature(const nlohmann::json& feature, const std::string& poin
                                "height_m",
                                "floor_m",
                                "ceiling_m",
+                               "floor_above_ground_m",
+                               "ceiling_above_ground_m",
                                "expires_at",
                                "updated_at"});
   read.kind = ReadKind(properties);
@@ -333,6 +353,12 @@ nlohmann::json ObstacleFeature(const GivenObstacle& obstacle) {
   }
   if (obstacle.floor_m) properties["floor_m"] = *obstacle.floor_m;
   if (obstacle.ceiling_m) properties["ceiling_m"] = *obstacle.ceiling_m;
+  if (obstacle.floor_above_ground_m) {
+    properties["floor_above_ground_m"] = *obstacle.floor_above_ground_m;
+  }
+  if (obstacle.ceiling_above_ground_m) {
+    properties["ceiling_above_ground_m"] = *obstacle.ceiling_above_ground_m;
+  }
   if (obstacle.expires_at_us) properties["expires_at"] = TextOfTime(*obstacle.expires_at_us);
   nlohmann::json feature{
       {"type", "Feature"}, {"geometry", GeometryOf(obstacle)}, {"properties", properties}};
@@ -341,7 +367,7 @@ nlohmann::json ObstacleFeature(const GivenObstacle& obstacle) {
 }
 
 ImportedObstacles ParseObstacles(const std::string& text) {
-  const nlohmann::json collection = ParseJson(text, kLimits.obstacles.max_import_bytes);
+  const nlohmann::json collection = ParseJson(ToUtf8(text), kLimits.obstacles.max_import_bytes);
   ObjectReader reader(collection, "");
   if (ReadString(reader.Required("type"), "/type") != "FeatureCollection") {
     throw InvalidValue("/type", "type: must be FeatureCollection");
@@ -352,6 +378,9 @@ ImportedObstacles ParseObstacles(const std::string& text) {
     throw InvalidValue(
         "/features",
         "features: at most " + std::to_string(kLimits.obstacles.max_num_stored) + " are allowed");
+  }
+  if (std::any_of(features.begin(), features.end(), IsOpenStreetMap)) {
+    return ImportOpenStreetMap(collection);
   }
   ImportedObstacles imported;
   for (size_t i = 0; i < features.size(); ++i) {

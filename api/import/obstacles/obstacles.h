@@ -14,7 +14,8 @@
 
 namespace freelsd {
 
-enum class ObstacleKind { kWire, kMast, kNoFly, kPeople };
+// kWiresKnown is no obstacle: it is an area whose power lines, towers and masts are all stored.
+enum class ObstacleKind { kWire, kMast, kNoFly, kPeople, kWiresKnown };
 
 // Names and units as in openapi.yaml.
 struct GivenObstacle {
@@ -29,10 +30,12 @@ struct GivenObstacle {
   bool is_area = false;
   // Of the top above ground, for a wire or a mast.
   std::optional<double> height_m;
-  // Of an airspace, in altitude_datum. No floor: it begins at the ground. No ceiling: it is
-  // unlimited.
+  // Of an airspace, in altitude_datum or above ground. No floor: it begins at the ground. No
+  // ceiling: it is unlimited.
   std::optional<double> floor_m;
   std::optional<double> ceiling_m;
+  std::optional<double> floor_above_ground_m;
+  std::optional<double> ceiling_above_ground_m;
   std::string altitude_datum = "unknown";
   // Standard deviation of the horizontal position.
   double position_sd_m = 0.0;
@@ -52,15 +55,23 @@ struct ImportedObstacles {
   std::vector<GivenObstacle> obstacles;
   std::vector<std::string> warnings;
 };
-// A GeoJSON FeatureCollection. Throws ApiError.
+// A GeoJSON FeatureCollection: of our own features, or of OpenStreetMap's with their tags. Throws
+// ApiError.
 ImportedObstacles ParseObstacles(const std::string& text);
+// True if the feature has OpenStreetMap's tags and no kind of ours.
+bool IsOpenStreetMap(const nlohmann::json& feature);
+// OpenStreetMap's power lines, aerial ways, towers, masts, poles, chimneys and wind turbines as
+// wires and masts. Where a height is not tagged, that of its kind is taken, rather too high than
+// too low; a warning tells which. All other features are left out with a warning. The collection's
+// bbox, or else the box around all its features, becomes an area of kWiresKnown.
+ImportedObstacles ImportOpenStreetMap(const nlohmann::json& collection);
 // True if the text begins as OpenAir does: a comment, or a command that begins an airspace.
 bool IsOpenAir(std::string_view text);
-// OpenAir: airspaces as no_fly. A floor given above ground counts as the ground, and a ceiling
-// given above ground as unlimited; each causes a warning. A flight level counts as its altitude
-// above mean sea level in the standard atmosphere. A border that crosses itself causes a warning
-// too; in the file of a whole country, an arc around the inside may do so. Throws ApiError with the
-// number of the line.
+// OpenAir: airspaces as no_fly. A flight level counts as its altitude above mean sea level in the
+// standard atmosphere. An airspace that cannot be read is left out with a warning, and so are
+// unknown records; one across the antimeridian becomes two. A border that crosses itself causes a
+// warning; in the file of a whole country, an arc around the inside may do so. Throws ApiError with
+// the number of a line if no airspace can be read.
 ImportedObstacles ParseOpenAir(std::string_view text);
 
 }  // namespace freelsd

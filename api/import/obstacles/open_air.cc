@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "api/import/obstacles/air_values.h"
 #include "api/import/obstacles/obstacles.h"
 #include "api/import/obstacles/shape.h"
+#include "api/import/utf8.h"
 #include "api/json_reader.h"
 
 namespace freelsd {
@@ -22,11 +24,15 @@ constexpr double kMaxStepDeg = 5.0;
 // Of airspaces whose borders come from charts.
 constexpr double kPositionSdM = 50.0;
 constexpr size_t kMaxIdBytes = 100;
+// Bytes from which the format is recognised.
+constexpr size_t kMaxHeadBytes = 4096;
 
-[[noreturn]] void Refuse(size_t line, const std::string& why) {
+ApiError Problem(size_t line, const std::string& why) {
   const std::string detail = "line " + std::to_string(line) + ": " + why;
-  throw ApiError("InvalidAirspace", detail, {{"line " + std::to_string(line), why}});
+  return ApiError("InvalidAirspace", detail, {{"line " + std::to_string(line), why}});
 }
+
+[[noreturn]] void Refuse(size_t line, const std::string& why) { throw Problem(line, why); }
 
 struct Airspace {
   size_t line = 0;
@@ -36,6 +42,8 @@ struct Airspace {
   std::vector<GeoPoint> ring;
   std::optional<GeoPoint> center;
   bool is_clockwise = true;
+  // The first reason for which it cannot be used.
+  std::optional<ApiError> problem;
 };
 
 GeoPoint On(const GeoPoint& center, double radius_m, double bearing_deg) {
@@ -90,6 +98,7 @@ class Reader {
   ImportedObstacles Finish();
 
  private:
+  void ReadRecord(size_t line, const std::string& command, std::string_view value);
   void ReadGeometry(size_t line, const std::string& command, std::string_view value);
   void ReadVariable(size_t line, std::string_view value);
   void ReadArc(size_t line, std::string_view value);
@@ -97,11 +106,19 @@ class Reader {
   double RadiusM(size_t line, std::string_view text) const;
   GeoPoint PointOf(size_t line, std::string_view text) const;
   void End();
+  void Make(const Airspace& airspace);
+  void Add(GivenObstacle made, size_t line);
+  void LeaveOut(const Airspace& airspace, const ApiError& problem);
   std::string NewId(const std::string& name);
 
   std::optional<Airspace> airspace_;
   std::set<std::string> ids_;
+  // Unknown commands, and the first line of each.
+  std::map<std::string, size_t> unknown_;
+  std::optional<ApiError> first_problem_;
   ImportedObstacles imported_;
+  // Within the lines of a river or road.
+  bool is_terrain_ = false;
 };
 
 GeoPoint Reader::PointOf(size_t line, std::string_view text) const {
@@ -173,8 +190,10 @@ void Reader::ReadGeometry(size_t line, const std::string& command, std::string_v
     ReadArcBetween(line, value);
   } else if (command == "DC") {
     AddArc(*airspace_, RadiusM(line, value), 0.0, 360.0);
+  } else if (command.starts_with("D")) {
+    Refuse(line, "a border by " + ShownPath(command.substr(0, 8)) + " is not supported");
   } else {
-    Refuse(line, "the command " + ShownPath(command.substr(0, 8)) + " is not supported");
+    unknown_.emplace(ShownPath(command.substr(0, 8)), line);
   }
   if (airspace_->ring.size() > kLimits.obstacles.max_num_points) {
     Refuse(line,
@@ -194,50 +213,74 @@ std::string Reader::NewId(const std::string& name) {
   return id;
 }
 
-void Reader::End() {
-  if (!airspace_) return;
-  const Airspace& airspace = *airspace_;
+void Reader::LeaveOut(const Airspace& airspace, const ApiError& problem) {
+  if (!first_problem_) first_problem_ = problem;
+  const std::string name = airspace.name.empty()
+                               ? "the airspace of line " + std::to_string(airspace.line)
+                               : airspace.name;
+  imported_.warnings.push_back(name + " is left out: " + problem.what());
+}
+
+void Reader::Add(GivenObstacle made, size_t line) {
+  made.id = NewId(made.name);
+  if (CrossesItself(made.points)) {
+    imported_.warnings.push_back(made.id + ": its border crosses itself");
+  }
+  imported_.obstacles.push_back(ParseStoredObstacle(ObstacleFeature(made)));
+  if (imported_.obstacles.size() <= kLimits.obstacles.max_num_stored) return;
+  Refuse(line,
+         "at most " + std::to_string(kLimits.obstacles.max_num_stored) + " airspaces are allowed");
+}
+
+void Reader::Make(const Airspace& airspace) {
+  using Kind = AirAltitude::Kind;
+  if (airspace.problem) throw *airspace.problem;
   if (!airspace.floor) Refuse(airspace.line, "AL (the floor) is missing");
   if (!airspace.ceiling) Refuse(airspace.line, "AH (the ceiling) is missing");
   if (IsFlat(airspace.ring)) {
     Refuse(airspace.line, "at least three points that are not on one line are needed");
   }
+  if (airspace.floor->kind == Kind::kUnlimited)
+    Refuse(airspace.line, "AL (the floor) is no height");
+  if (airspace.ceiling->kind == Kind::kGround)
+    Refuse(airspace.line, "AH (the ceiling) is the ground");
   GivenObstacle made;
   made.kind = ObstacleKind::kNoFly;
   made.name = airspace.name;
-  made.id = NewId(airspace.name);
   made.altitude_datum = "amsl";
   made.position_sd_m = kPositionSdM;
   made.is_area = true;
-  made.points = airspace.ring;
-  if (made.points.size() > 1 &&
-      made.points.front().latitude_deg == made.points.back().latitude_deg &&
-      made.points.front().longitude_deg == made.points.back().longitude_deg) {
-    made.points.pop_back();
+  const auto set = [](const AirAltitude& from, auto& above_sea_m, auto& above_ground_m) {
+    if (from.kind == Kind::kAboveSea) above_sea_m = from.altitude_m;
+    if (from.kind == Kind::kAboveGround) above_ground_m = from.altitude_m;
+  };
+  set(*airspace.floor, made.floor_m, made.floor_above_ground_m);
+  set(*airspace.ceiling, made.ceiling_m, made.ceiling_above_ground_m);
+  for (std::vector<GeoPoint>& ring : CutAtAntimeridian(airspace.ring)) {
+    GivenObstacle part = made;
+    part.points = std::move(ring);
+    if (part.points.size() > 1 &&
+        part.points.front().latitude_deg == part.points.back().latitude_deg &&
+        part.points.front().longitude_deg == part.points.back().longitude_deg) {
+      part.points.pop_back();
+    }
+    for (GeoPoint& point : part.points) point.altitude_m = std::nan("");
+    Add(std::move(part), airspace.line);
   }
-  made.floor_m = airspace.floor->altitude_m;
-  made.ceiling_m = airspace.ceiling->altitude_m;
-  for (GeoPoint& point : made.points) point.altitude_m = std::nan("");
-  if (airspace.floor->is_above_ground) {
-    imported_.warnings.push_back(made.id + ": its floor above ground counts as the ground");
-  }
-  if (airspace.ceiling->is_above_ground) {
-    imported_.warnings.push_back(made.id + ": its ceiling above ground counts as unlimited");
-  }
-  if (CrossesItself(made.points)) {
-    imported_.warnings.push_back(made.id + ": its border crosses itself");
-  }
+}
+
+void Reader::End() {
+  if (!airspace_) return;
+  const Airspace airspace = *std::exchange(airspace_, std::nullopt);
+  const size_t num_before = imported_.obstacles.size();
   try {
-    imported_.obstacles.push_back(ParseStoredObstacle(ObstacleFeature(made)));
+    Make(airspace);
   } catch (const ApiError& error) {
-    Refuse(airspace.line, error.what());
+    if (imported_.obstacles.size() > kLimits.obstacles.max_num_stored) throw;
+    imported_.obstacles.resize(num_before);
+    const bool has_line = std::string_view(error.what()).starts_with("line ");
+    LeaveOut(airspace, has_line ? error : Problem(airspace.line, error.what()));
   }
-  if (imported_.obstacles.size() > kLimits.obstacles.max_num_stored) {
-    Refuse(
-        airspace.line,
-        "at most " + std::to_string(kLimits.obstacles.max_num_stored) + " airspaces are allowed");
-  }
-  airspace_.reset();
 }
 
 void Reader::Read(size_t line, std::string_view text) {
@@ -245,20 +288,34 @@ void Reader::Read(size_t line, std::string_view text) {
   text = Trimmed(text.substr(0, comment));
   if (text.empty()) return;
   const size_t blank = text.find_first_of(" \t=");
-  std::string command(text.substr(0, blank));
-  std::string_view value =
+  const std::string command(text.substr(0, blank));
+  const std::string_view value =
       blank == std::string_view::npos ? std::string_view() : Trimmed(text.substr(blank));
+  // Lines of terrain begin as airspaces do, and end the one before.
+  if (command == "AC" || command == "TO" || command == "TC") End();
+  is_terrain_ = command == "TO" || command == "TC" || (is_terrain_ && command != "AC");
   if (command == "AC") {
-    End();
     airspace_.emplace();
     airspace_->line = line;
     return;
   }
   // Labels, frequencies, times and colours.
   static const std::set<std::string> kIgnored{
-      "AT", "AY", "AI", "AF", "AG", "AX", "AA", "TO", "TC", "SP", "SB"};
-  if (kIgnored.contains(command)) return;
-  if (!airspace_) Refuse(line, "an airspace must begin with AC");
+      "AT", "AY", "AI", "AF", "AG", "AR", "AW", "AX", "AA", "SP", "SB"};
+  if (is_terrain_ || kIgnored.contains(command)) return;
+  if (!airspace_) {
+    if (!first_problem_) first_problem_ = Problem(line, "an airspace must begin with AC");
+    unknown_.emplace(ShownPath(command.substr(0, 8)), line);
+    return;
+  }
+  try {
+    ReadRecord(line, command, value);
+  } catch (const ApiError& error) {
+    if (!airspace_->problem) airspace_->problem = error;
+  }
+}
+
+void Reader::ReadRecord(size_t line, const std::string& command, std::string_view value) {
   if (command == "AN") {
     if (HasControlCharacter(value)) Refuse(line, "the name has a control character");
     airspace_->name = ShownPath(std::string(value.substr(0, kMaxIdBytes)));
@@ -276,16 +333,22 @@ void Reader::Read(size_t line, std::string_view text) {
 
 ImportedObstacles Reader::Finish() {
   End();
-  if (imported_.obstacles.empty()) Refuse(1, "there is no airspace");
+  if (imported_.obstacles.empty()) {
+    throw first_problem_ ? *first_problem_ : Problem(1, "there is no airspace");
+  }
+  for (const auto& [command, line] : unknown_) {
+    imported_.warnings.push_back("line " + std::to_string(line) + ": the record " + command +
+                                 " is not read");
+  }
   return std::move(imported_);
 }
 
 }  // namespace
 
 bool IsOpenAir(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  text = Trimmed(text);
-  return text.starts_with("*") || text.starts_with("AC ");
+  const std::string begin = ToUtf8(text.substr(0, kMaxHeadBytes));
+  const std::string_view first = Trimmed(begin);
+  return first.starts_with("*") || first.starts_with("AC ") || first.starts_with("AC\t");
 }
 
 ImportedObstacles ParseOpenAir(std::string_view text) {
@@ -295,7 +358,8 @@ ImportedObstacles ParseOpenAir(std::string_view text) {
     error.observed = static_cast<double>(text.size());
     throw error;
   }
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::string utf8 = ToUtf8(text);
+  text = utf8;
   Reader reader;
   for (size_t line = 1; !text.empty(); ++line) {
     const size_t end = text.find('\n');

@@ -48,7 +48,51 @@ bool AreNear(const Side& a, const Side& b) {
          Overlap(a.begin.y(), a.end.y(), b.begin.y(), b.end.y());
 }
 
+// The part of the ring on one side of the meridian; `sign` 1 is the west (Sutherland, Hodgman
+// 1974).
+std::vector<GeoPoint> PartBeside(const std::vector<GeoPoint>& ring,
+                                 double meridian_deg,
+                                 double sign) {
+  std::vector<GeoPoint> part;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const GeoPoint& a = ring[i];
+    const GeoPoint& b = ring[(i + 1) % ring.size()];
+    const double a_deg = sign * (meridian_deg - a.longitude_deg);
+    const double b_deg = sign * (meridian_deg - b.longitude_deg);
+    if (a_deg >= 0.0) part.push_back(a);
+    if (a_deg * b_deg >= 0.0) continue;
+    const double ratio = a_deg / (a_deg - b_deg);
+    part.push_back(
+        {a.latitude_deg + ratio * (b.latitude_deg - a.latitude_deg), meridian_deg, a.altitude_m});
+  }
+  return part;
+}
+
 }  // namespace
+
+std::vector<std::vector<GeoPoint>> CutAtAntimeridian(const std::vector<GeoPoint>& ring) {
+  std::vector<GeoPoint> unwrapped = ring;
+  double west_deg = 180.0, east_deg = -180.0;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const double before_deg = unwrapped[i > 0 ? i - 1 : 0].longitude_deg;
+    double& longitude_deg = unwrapped[i].longitude_deg;
+    longitude_deg = before_deg + std::remainder(longitude_deg - before_deg, 360.0);
+    west_deg = std::min(west_deg, longitude_deg);
+    east_deg = std::max(east_deg, longitude_deg);
+  }
+  if (west_deg >= -180.0 && east_deg <= 180.0) return {unwrapped};
+  const double meridian_deg = east_deg > 180.0 ? 180.0 : -180.0;
+  std::vector<std::vector<GeoPoint>> parts;
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<GeoPoint> part = PartBeside(unwrapped, meridian_deg, sign);
+    // The half that left the range comes back from the other side.
+    const double turn_deg =
+        meridian_deg > 0.0 ? (sign < 0.0 ? -360.0 : 0.0) : (sign > 0.0 ? 360.0 : 0.0);
+    for (GeoPoint& point : part) point.longitude_deg += turn_deg;
+    if (!IsFlat(part)) parts.push_back(std::move(part));
+  }
+  return parts;
+}
 
 bool IsOnePlace(const std::vector<GeoPoint>& points) {
   return std::all_of(points.begin(), points.end(), [&points](const GeoPoint& point) {

@@ -14,4 +14,7 @@ bool IsFlat(const std::vector<GeoPoint>& ring);
 // True if two sides of the ring cross. Sides that only touch do not cross.
 bool CrossesItself(const std::vector<GeoPoint>& ring);
 
+// The ring, or its two parts if it crosses the antimeridian. Each part is closed by neighbours.
+std::vector<std::vector<GeoPoint>> CutAtAntimeridian(const std::vector<GeoPoint>& ring);
+
 }  // namespace freelsd

@@ -118,7 +118,8 @@ void ReadKalibr(const SideFile& file, SideData& data) {
   if (model != "none") {
     SetDistortion(model, NumbersAt(entry, "distortion_coeffs", 4, file), file, camera);
   }
-  SetCamera(camera, file, data);
+  AddCamera(
+      "", file, [&camera] { return camera; }, data);
   if (yaml.contains("cam1")) {
     data.file.warnings.push_back(ShownPath(file.path) + ": only cam0 of the chain is used");
   }
@@ -134,7 +135,8 @@ void ReadCameraInfo(const SideFile& file, SideData& data) {
                 NumbersAt(yaml, "distortion_coefficients", std::nullopt, file),
                 file,
                 camera);
-  SetCamera(camera, file, data);
+  AddCamera(
+      "", file, [&camera] { return camera; }, data);
 }
 
 }  // namespace freelsd

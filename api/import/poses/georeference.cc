@@ -176,7 +176,8 @@ void WarnOf(const Georeferencing& reference, SideData& data) {
 
 }  // namespace
 
-void Georeference(const SideContext& context, SideData& data) {
+void Georeference(SideData& data) {
+  const SideContext& context = data.context;
   if (data.local_poses.empty()) return;
   const std::map<std::string, GeoPoint> geotags = GeotagsOf(context, data.file);
   const Georeferencing reference = ReferenceOf(data.local_poses, geotags, context, data);

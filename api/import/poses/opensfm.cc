@@ -55,9 +55,10 @@ Camera CameraOf(const nlohmann::json& object, const SideFile& file) {
   camera.cx_px = 0.5 * (width - 1.0) + unit_px * number("c_x", 0.0);
   camera.cy_px = 0.5 * (height - 1.0) + unit_px * number("c_y", 0.0);
   const std::string type = object.value("projection_type", "");
-  if (type == "fisheye") {
+  if (type == "fisheye" || type == "fisheye_opencv") {
     camera.distortion = DistortionModel::kEquidistant;
-    camera.coefficients = {number("k1", 0.0), number("k2", 0.0), 0.0, 0.0};
+    camera.coefficients = {
+        number("k1", 0.0), number("k2", 0.0), number("k3", 0.0), number("k4", 0.0)};
   } else if (type == "perspective" || type == "brown" || type == "simple_radial" ||
              type == "radial") {
     camera.distortion = DistortionModel::kRadTan;
@@ -82,14 +83,14 @@ void SetReference(const nlohmann::json& object, const SideFile& file, SideData& 
   data.local_origin = origin;
 }
 
-LocalPose PoseOf(const std::string& image, const nlohmann::json& shot, const SideFile& file) {
+LocalPose PoseOf(const std::string& image_id, const nlohmann::json& shot, const SideFile& file) {
   const Eigen::Vector3d axis_angle = VectorAt(shot, "rotation", file);
   Rigid3d camera_from_world;
   if (axis_angle.norm() > 0.0) {
     camera_from_world.rotation = Eigen::AngleAxisd(axis_angle.norm(), axis_angle.normalized());
   }
   camera_from_world.translation = VectorAt(shot, "translation", file);
-  return {IdFromFileName(image), Inverse(camera_from_world)};
+  return {image_id, Inverse(camera_from_world)};
 }
 
 nlohmann::json JsonOf(const SideFile& file) {
@@ -100,26 +101,46 @@ nlohmann::json JsonOf(const SideFile& file) {
   }
 }
 
+void ReadCameras(const nlohmann::json& cameras, const SideFile& file, SideData& data) {
+  for (const auto& [id, camera] : cameras.items()) {
+    const nlohmann::json& each = camera;
+    if (!each.is_object()) throw InvalidSideFile(file, 0, "must be an object of cameras");
+    AddCamera(
+        id, file, [&] { return CameraOf(each, file); }, data);
+  }
+}
+
 }  // namespace
 
 void ReadOpenSfm(const SideFile& file, SideData& data) {
   const nlohmann::json reconstructions = JsonOf(file);
-  if (!reconstructions.is_array() || reconstructions.empty() || !reconstructions[0].is_object()) {
+  const auto is_object = [](const nlohmann::json& each) { return each.is_object(); };
+  if (!reconstructions.is_array() || reconstructions.empty() ||
+      !std::all_of(reconstructions.begin(), reconstructions.end(), is_object)) {
     throw InvalidSideFile(file, 0, "must be a list of reconstructions");
   }
+  const auto largest = std::max_element(
+      reconstructions.begin(), reconstructions.end(), [](const auto& a, const auto& b) {
+        return a.value("shots", nlohmann::json()).size() <
+               b.value("shots", nlohmann::json()).size();
+      });
   if (reconstructions.size() > 1) {
-    data.file.warnings.push_back("opensfm: only the first of " +
+    data.file.warnings.push_back("opensfm: only the largest of " +
                                  std::to_string(reconstructions.size()) +
                                  " reconstructions is used");
   }
-  const nlohmann::json& first = reconstructions[0];
-  for (const auto& [id, camera] : ObjectAt(first, "cameras", file).items()) {
-    SetCamera(CameraOf(camera, file), file, data);
+  ReadCameras(ObjectAt(*largest, "cameras", file), file, data);
+  for (const auto& [image, shot] : ObjectAt(*largest, "shots", file).items()) {
+    const std::string image_id = ImageIdOf(image, data.tags);
+    data.local_poses.push_back(PoseOf(image_id, shot, file));
+    const auto camera = shot.find("camera");
+    if (camera != shot.end() && camera->is_string()) data.camera_ids[image_id] = *camera;
   }
-  for (const auto& [image, shot] : ObjectAt(first, "shots", file).items()) {
-    data.local_poses.push_back(PoseOf(image, shot, file));
-  }
-  if (first.contains("reference_lla")) SetReference(first["reference_lla"], file, data);
+  if (largest->contains("reference_lla")) SetReference((*largest)["reference_lla"], file, data);
+}
+
+void ReadOpenSfmCameras(const SideFile& file, SideData& data) {
+  ReadCameras(JsonOf(file), file, data);
 }
 
 void ReadReferenceLla(const SideFile& file, SideData& data) {

@@ -1,163 +1,289 @@
 #include "api/import/poses/pose_columns.h"
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <set>
-#include <span>
 #include <utility>
 
 #include "api/import/import.h"
+#include "api/import/number_text.h"
+#include "api/import/poses/pose_line.h"
 #include "api/import/poses/poses.h"
 
 namespace freelsd {
 namespace {
 
 constexpr size_t kMaxShownNameBytes = 60;
+// Cells from which a header is recognised.
+constexpr size_t kMaxNumLookedAt = 64;
 
-// Largest number of names of a field.
-constexpr size_t kMaxNumNames = 18;
-
-struct FieldNames {
+// How a column's name, split into words, names a field: it is one of `whole` when joined; or one of
+// its words is in `any`, one is in `with` where that is not empty, and all others are in `beside`.
+struct FieldRule {
   PoseField field;
+  std::string_view name;
   std::string_view meta_pointer;
-  // The contract's name first, then others in order of trust; unused entries are empty.
-  std::array<std::string_view, kMaxNumNames> names;
-
-  std::span<const std::string_view> Names() const {
-    return {names.begin(), std::find(names.begin(), names.end(), std::string_view())};
-  }
+  Quantity quantity;
+  std::string_view any;
+  std::string_view with;
+  std::string_view beside;
 };
+
+constexpr std::string_view kPlaceWords =
+    "gps gnss rtk ppk drone aircraft uav uas camera cam image photo wgs wgs84 84 corrected final "
+    "position pos geo dd decimal x y z measured exif";
+constexpr std::string_view kAltitudeWords =
+    "gps gnss rtk ppk drone aircraft uav uas camera cam image photo wgs wgs84 84 corrected final "
+    "position pos geo dd decimal x y z measured exif abs absolute amsl msl asl above mean sea "
+    "level sealevel hae ellipsoid ellipsoidal egm96 orthometric";
+constexpr std::string_view kBodyWords = "body aircraft uav uas drone flight vehicle imu ins angle";
+constexpr std::string_view kHeightWords = "alt altitude height above home off";
 
 using F = PoseField;
+using Q = Quantity;
 
-constexpr FieldNames kFieldNames[] = {
+// Words are in order of trust.
+constexpr FieldRule kRules[] = {
     {F::kImage,
+     "image",
      "",
-     {"image",
-      "image_name",
-      "file",
-      "filename",
-      "file_name",
-      "img",
-      "img_name",
-      "imagename",
-      "label",
-      "photo",
-      "picture",
-      "sourcefile"}},
+     Q::kNone,
+     "image imagename file filename img photo picture label "
+     "sourcefile name",
+     "",
+     "name source file"},
     {F::kLatitude,
+     "latitude_deg",
      "/position/latitude_deg",
-     {"latitude_deg",
-      "lat_deg",
-      "gps_lat_deg",
-      "gps_latitude_deg",
-      "latitude",
-      "lat",
-      "gps_lat",
-      "gpslatitude",
-      "y/latitude"}},
-    {F::kLongitude,
-     "/position/longitude_deg",
-     {"longitude_deg",
-      "lon_deg",
-      "gps_lon_deg",
-      "gps_longitude_deg",
-      "longitude",
-      "lon",
-      "lng",
-      "long",
-      "gps_lon",
-      "gpslongitude",
-      "x/longitude"}},
-    {F::kAltitude,
-     "/position/altitude_m",
-     {"altitude_m",
-      "alt_m",
-      "abs_alt_m",
-      "gps_alt_m",
-      "gps_height_m",
-      "gps_altitude_m",
-      "abs_altitude_m",
-      "alt_amsl_m",
-      "altitude_amsl_m",
-      "alt_msl_m",
-      "alt_hae_m",
-      "altitude_hae_m",
-      "altitude_ellipsoid_m",
-      "ellipsoidal_height_m",
-      "altitude",
-      "alt",
-      "gpsaltitude",
-      "z/altitude"}},
-    {F::kTimestamp, "/timestamp_us", {"timestamp_us", "time_us"}},
-    {F::kDateTime, "", {"utc", "utc_time", "time_utc", "local_time", "date_time", "datetime"}},
-    {F::kRoll, "/attitude/roll_deg", {"roll_deg", "body_roll_deg", "roll"}},
-    {F::kPitch, "/attitude/pitch_deg", {"pitch_deg", "body_pitch_deg", "pitch"}},
-    {F::kYaw,
-     "/attitude/yaw_deg",
-     {"yaw_deg", "body_yaw_deg", "heading_deg", "body_heading_deg", "yaw"}},
-    {F::kQuaternionW, "", {"qw", "q_w", "quat_w", "quaternion_w"}},
-    {F::kQuaternionX, "", {"qx", "q_x", "quat_x", "quaternion_x"}},
-    {F::kQuaternionY, "", {"qy", "q_y", "quat_y", "quaternion_y"}},
-    {F::kQuaternionZ, "", {"qz", "q_z", "quat_z", "quaternion_z"}},
-    {F::kGimbalRoll, "", {"gimbal_roll_deg", "camera_roll_deg"}},
-    {F::kGimbalPitch, "", {"gimbal_pitch_deg", "camera_pitch_deg"}},
-    {F::kGimbalYaw, "", {"gimbal_yaw_deg", "camera_yaw_deg"}},
-    {F::kImageUpHeading, "", {"image_up_heading_deg", "image_top_heading_deg"}},
-    {F::kWindEast, "/wind/east_mps", {"wind_east_mps"}},
-    {F::kWindNorth, "/wind/north_mps", {"wind_north_mps"}},
-    {F::kWindFrom,
+     Q::kAngle,
+     "latitude lat",
      "",
-     {"wind_from_deg", "wind_direction_from_deg", "wind_direction_deg", "wind_dir_deg"}},
-    {F::kWindTo, "", {"wind_to_deg", "wind_direction_to_deg", "wind_towards_deg"}},
-    {F::kWindSpeed, "", {"wind_speed_mps", "wind_speed"}},
+     kPlaceWords},
+    {F::kLongitude,
+     "longitude_deg",
+     "/position/longitude_deg",
+     Q::kAngle,
+     "longitude lon lng long",
+     "",
+     kPlaceWords},
+    {F::kAltitude,
+     "altitude_m",
+     "/position/altitude_m",
+     Q::kLength,
+     "altitude alt elevation ellh height z",
+     "",
+     kAltitudeWords},
+    {F::kX, "x", "", Q::kLength, "easting east coordinate2 x", "", "x utm coordinate coord"},
+    {F::kY, "y", "", Q::kLength, "northing north coordinate1 y", "", "y utm coordinate coord"},
+    {F::kLatitudeLongitude, "position", "", Q::kNone, "gpsposition", "", "gps position"},
+    {F::kLatitudeRef, "latitude_ref", "", Q::kNone, "ref", "latitude lat", "gps"},
+    {F::kLongitudeRef, "longitude_ref", "", Q::kNone, "ref", "longitude lon", "gps"},
+    {F::kAltitudeRef, "altitude_ref", "", Q::kNone, "ref", "altitude alt", "gps"},
+    {F::kTime,
+     "timestamp_us",
+     "",
+     Q::kTime,
+     "timestamp utc datetime time",
+     "",
+     "date gps local original create capture gmt"},
+    {F::kRoll, "roll_deg", "/attitude/roll_deg", Q::kAngle, "roll", "", kBodyWords},
+    {F::kPitch, "pitch_deg", "/attitude/pitch_deg", Q::kAngle, "pitch", "", kBodyWords},
+    {F::kYaw, "yaw_deg", "/attitude/yaw_deg", Q::kAngle, "yaw heading", "", kBodyWords},
+    {F::kOmega, "omega_deg", "", Q::kAngle, "omega", "", ""},
+    {F::kPhi, "phi_deg", "", Q::kAngle, "phi", "", ""},
+    {F::kKappa, "kappa_deg", "", Q::kAngle, "kappa", "", ""},
+    {F::kQuaternionW, "qw", "", Q::kNone, "qw quatw quaternionw", "", ""},
+    {F::kQuaternionX, "qx", "", Q::kNone, "qx quatx quaternionx", "", ""},
+    {F::kQuaternionY, "qy", "", Q::kNone, "qy quaty quaterniony", "", ""},
+    {F::kQuaternionZ, "qz", "", Q::kNone, "qz quatz quaternionz", "", ""},
+    {F::kGimbalRoll, "gimbal_roll_deg", "", Q::kAngle, "roll", "gimbal camera cam", "angle"},
+    {F::kGimbalPitch, "gimbal_pitch_deg", "", Q::kAngle, "pitch", "gimbal camera cam", "angle"},
+    {F::kGimbalYaw, "gimbal_yaw_deg", "", Q::kAngle, "yaw heading", "gimbal camera cam", "angle"},
+    {F::kImageUpHeading, "image_up_heading_deg", "", Q::kAngle, "heading", "up top", "image"},
+    {F::kWindEast, "wind_east_mps", "", Q::kSpeed, "windeast", "", ""},
+    {F::kWindNorth, "wind_north_mps", "", Q::kSpeed, "windnorth", "", ""},
+    {F::kWindFrom,
+     "wind_from_deg",
+     "",
+     Q::kAngle,
+     "windfrom winddirectionfrom winddirection winddir",
+     "",
+     ""},
+    {F::kWindTo, "wind_to_deg", "", Q::kAngle, "windto winddirectionto windtowards", "", ""},
+    {F::kWindSpeed, "wind_speed_mps", "", Q::kSpeed, "windspeed", "", ""},
     {F::kHeightAboveGround,
+     "height_above_ground_m",
      "/height_above_ground_m",
-     {"height_above_ground_m", "agl_m", "height_agl_m"}},
-    {F::kHeightAboveTakeOff, "", {"rel_alt_m", "relative_altitude_m", "rel_altitude_m"}},
+     Q::kLength,
+     "agl ground",
+     "",
+     kHeightWords},
+    {F::kHeightAboveTakeOff,
+     "relative_altitude_m",
+     "",
+     Q::kLength,
+     "rel relative takeoff take",
+     "alt altitude height",
+     kHeightWords},
     {F::kPositionSd,
+     "position_sd_m",
      "/position_sd_m",
-     {"position_sd_m", "gps_xy_accuracy_m", "horizontal_accuracy_m"}},
-    {F::kAttitudeSd, "/attitude_sd_deg", {"attitude_sd_deg"}},
+     Q::kLength,
+     "positionsd gpsxyaccuracy horizontalaccuracy accuracyhorizontal",
+     "",
+     ""},
+    {F::kAttitudeSd, "attitude_sd_deg", "/attitude_sd_deg", Q::kAngle, "attitudesd", "", ""},
 };
 
-const FieldNames& NamesOf(PoseField field) {
-  return *std::find_if(std::begin(kFieldNames), std::end(kFieldNames), [field](const auto& each) {
-    return each.field == field;
+const FieldRule& RuleOf(PoseField field) {
+  return *std::find_if(std::begin(kRules), std::end(kRules), [field](const auto& rule) {
+    return rule.field == field;
   });
 }
 
-// Lower case, without spaces and a comment's # around, "_" for spaces and what is not printable.
+// Place of the word in the list; nothing if it is not in it.
+std::optional<size_t> PlaceIn(std::string_view list, const std::string& word) {
+  size_t place = 0;
+  while (!list.empty()) {
+    const size_t end = std::min(list.find(' '), list.size());
+    if (list.substr(0, end) == word) return place;
+    list.remove_prefix(std::min(end + 1, list.size()));
+    ++place;
+  }
+  return std::nullopt;
+}
+
+struct ColumnName {
+  // Lower case.
+  std::vector<std::string> words;
+  std::optional<Unit> unit;
+  // Brackets hold what is neither a unit nor known not to be one.
+  bool has_unknown_unit = false;
+};
+
+bool IsUpper(char c) { return c >= 'A' && c <= 'Z'; }
+bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
+
+// "GPSLatitude", "GPS latitude" and "gps_latitude" are the same two words.
+std::vector<std::string> SplitName(std::string_view name) {
+  std::vector<std::string> words(1);
+  for (size_t i = 0; i < name.size(); ++i) {
+    const char before = i > 0 ? name[i - 1] : ' ', after = i + 1 < name.size() ? name[i + 1] : ' ';
+    const bool is_hump =
+        IsUpper(name[i]) && IsWordCharacter(before) &&
+        (!IsUpper(before) || (std::islower(static_cast<unsigned char>(after)) != 0));
+    if ((is_hump || !IsWordCharacter(name[i])) && !words.back().empty()) words.emplace_back();
+    if (IsWordCharacter(name[i])) words.back() += name[i];
+  }
+  if (words.back().empty()) words.pop_back();
+  for (std::string& word : words) word = InLowerCase(word);
+  return words;
+}
+
+// What stands in brackets: a unit, or a remark that is none.
+void ReadBracket(std::string_view text, ColumnName& name) {
+  name.unit = UnitFromText(text);
+  if (name.unit) return;
+  for (const std::string& word : SplitName(text)) {
+    const bool is_datum =
+        PlaceIn(kAltitudeWords, word) || PlaceIn("utc gmt degrees epsg 4326 4979", word);
+    name.has_unknown_unit = name.has_unknown_unit || !is_datum;
+  }
+}
+
+ColumnName ParseName(std::string_view text) {
+  ColumnName name;
+  const size_t open = text.find_first_of("([");
+  if (open != std::string_view::npos) {
+    const size_t close = std::min(text.find_first_of(")]", open), text.size());
+    ReadBracket(Trimmed(text.substr(open + 1, close - open - 1)), name);
+  }
+  name.words = SplitName(text.substr(0, open));
+  if (name.unit || name.words.size() < 2) return name;
+  name.unit = UnitFromText(name.words.back());
+  if (name.unit) name.words.pop_back();
+  return name;
+}
+
+// Nothing if the name does not name the field; small for a name that surely does.
+std::optional<size_t> RankOf(const ColumnName& name, const FieldRule& rule) {
+  constexpr size_t kWordWeight = 100;
+  std::string joined;
+  for (const std::string& word : name.words) joined += word;
+  if (const auto place = PlaceIn(rule.any, joined); place && rule.with.empty()) return *place;
+  std::optional<size_t> any;
+  bool has_with = rule.with.empty();
+  size_t rank = kWordWeight * name.words.size();
+  for (const std::string& word : name.words) {
+    const auto place = PlaceIn(rule.any, word);
+    const bool is_with = PlaceIn(rule.with, word).has_value();
+    if (!place && !is_with && !PlaceIn(rule.beside, word)) return std::nullopt;
+    if (place) any = std::min(any.value_or(*place), *place);
+    has_with = has_with || is_with;
+    // A height above sea level is preferred to one above the ellipsoid.
+    if (word == "hae" || word.starts_with("ellip")) rank += kWordWeight / 2;
+  }
+  if (!any || !has_with) return std::nullopt;
+  return rank + *any;
+}
+
+// Lower case, without a comment's #, "_" for spaces and what is not printable.
 std::string Harmless(const std::string& name) {
   const size_t first = name.find_first_not_of(" \t\r#");
   if (first == std::string::npos) return "";
   std::string plain = name.substr(first, name.find_last_not_of(" \t\r") - first + 1);
-  for (char& c : plain) {
-    if (c <= ' ' || c > '~') c = '_';
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return plain.substr(0, kMaxShownNameBytes);
+  for (char& c : plain) c = c <= ' ' || c > '~' ? '_' : c;
+  return InLowerCase(plain.substr(0, kMaxShownNameBytes));
 }
 
-ApiError Invalid(int line, const std::string& name, const std::string& detail) {
-  return ApiError(
-      "InvalidPoses", detail, {{"/poses/" + std::to_string(line) + "/" + name, detail}});
+std::optional<size_t> BestColumn(const std::vector<ColumnName>& names,
+                                 const std::set<size_t>& claimed,
+                                 const FieldRule& rule) {
+  std::optional<size_t> best;
+  size_t best_rank = 0;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (claimed.contains(i) || names[i].words.empty()) continue;
+    const std::optional<size_t> rank = RankOf(names[i], rule);
+    if (!rank || (best && best_rank <= *rank)) continue;
+    best = i;
+    best_rank = *rank;
+  }
+  return best;
 }
 
-std::string IgnoredWarning(const std::string& name) {
-  if (name.find("track") != std::string::npos || name.find("course") != std::string::npos) {
-    return "column \"" + name + "\" is the track over ground, not the heading: ignored";
+bool HasUsableUnit(const ColumnName& name, const FieldRule& rule) {
+  if (rule.quantity == Quantity::kNone) return true;
+  const bool is_either = rule.field == F::kX || rule.field == F::kY;
+  return !name.has_unknown_unit &&
+         (!name.unit || name.unit->quantity == rule.quantity || is_either);
+}
+
+void WarnOfUnused(const std::vector<std::string>& cells,
+                  const std::set<size_t>& claimed,
+                  PoseColumns& header) {
+  std::string unused;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const std::string name = Harmless(cells[i]);
+    if (name.empty()) {
+      header.unnamed.push_back(i);
+    } else if (name.find("track") != std::string::npos ||
+               name.find("course") != std::string::npos) {
+      header.warnings.push_back("column \"" + name + "\"" +
+                                " is the track over ground, not the heading: ignored");
+    } else if (!claimed.contains(i)) {
+      unused += (unused.empty() ? "\"" : ", \"") + name + "\"";
+    }
   }
-  return "column \"" + name + "\" is unknown: ignored";
+  if (!unused.empty()) header.warnings.push_back("columns that are not used: " + unused);
 }
 
 // Removes the quaternion if a part is missing, or if roll, pitch and yaw are all given.
 PoseColumns WithOneAttitude(PoseColumns header) {
-  const auto has = [&header](PoseField field) { return header.columns.contains(field); };
+  const auto has = [&header](PoseField field) { return header.Has(field); };
   if (std::none_of(kQuaternionFields.begin(), kQuaternionFields.end(), has)) return header;
   if (!std::all_of(kQuaternionFields.begin(), kQuaternionFields.end(), has)) {
     header.warnings.emplace_back("a quaternion needs qw, qx, qy and qz: ignored");
-  } else if (has(PoseField::kRoll) && has(PoseField::kPitch) && has(PoseField::kYaw)) {
+  } else if (has(F::kRoll) && has(F::kPitch) && has(F::kYaw)) {
     header.warnings.emplace_back("roll, pitch and yaw are used, the quaternion is ignored");
   } else {
     header.warnings.emplace_back(
@@ -169,76 +295,106 @@ PoseColumns WithOneAttitude(PoseColumns header) {
   return header;
 }
 
+void RequireColumns(const PoseColumns& header, int line) {
+  std::vector<PoseField> needed{F::kImage};
+  if (!header.Has(F::kX) && !header.Has(F::kLatitudeLongitude)) {
+    needed.insert(needed.end(), {F::kLatitude, F::kLongitude});
+  }
+  for (const PoseField field : needed) {
+    const std::string name(NameOf(field));
+    if (header.Has(field)) continue;
+    throw InvalidPose(LinePointer(line) + "/" + name, "the column " + name + " is needed");
+  }
+}
+
 }  // namespace
 
 std::optional<std::string> PoseColumns::AltitudeDatum() const {
   const auto altitude = columns.find(PoseField::kAltitude);
   if (altitude == columns.end()) return std::nullopt;
   const std::string& name = altitude->second.name;
-  if (name.find("msl") != std::string::npos) return "amsl";
-  const bool is_ellipsoidal =
-      name.find("hae") != std::string::npos || name.find("ellipsoid") != std::string::npos;
-  return is_ellipsoidal ? std::optional<std::string>("ellipsoid") : std::nullopt;
+  const auto has = [&name](const char* word) { return name.find(word) != std::string::npos; };
+  if (has("msl") || has("sea") || has("asl") || has("egm96") || has("orthometric")) return "amsl";
+  return has("hae") || has("ellip") || has("ellh") ? std::optional<std::string>("ellipsoid")
+                                                   : std::nullopt;
 }
 
-std::string_view NameOf(PoseField field) { return NamesOf(field).names.front(); }
+std::string_view NameOf(PoseField field) { return RuleOf(field).name; }
 
-std::string_view MetaPointerOf(PoseField field) { return NamesOf(field).meta_pointer; }
+std::string_view MetaPointerOf(PoseField field) { return RuleOf(field).meta_pointer; }
+
+Quantity QuantityOf(PoseField field) { return RuleOf(field).quantity; }
 
 size_t NumKnownColumns(const std::vector<std::string>& cells) {
-  std::set<std::string> names;
-  for (const std::string& cell : cells) names.insert(Harmless(cell));
-  size_t num_known = 0;
-  for (const FieldNames& field : kFieldNames) {
-    for (const std::string_view known : field.Names()) num_known += names.count(std::string(known));
-  }
-  return num_known;
-}
-
-size_t NumKnownColumns(std::string_view line) {
-  std::vector<std::string> cells(1);
-  for (const char c : line.substr(0, kLimits.poses.max_header_bytes)) {
-    if (c == ',' || c == ';' || c == '\t') {
-      cells.emplace_back();
-    } else if (c != '"') {
-      cells.back() += c;
+  std::set<size_t> fields;
+  for (size_t column = 0; column < std::min(cells.size(), kMaxNumLookedAt); ++column) {
+    if (cells[column].size() > kMaxShownNameBytes) continue;
+    const ColumnName name = ParseName(cells[column]);
+    for (size_t i = 0; !name.words.empty() && i < std::size(kRules); ++i) {
+      if (RankOf(name, kRules[i])) fields.insert(i);
     }
   }
-  return NumKnownColumns(cells);
+  return fields.size();
 }
 
-PoseColumns ReadHeader(const CsvLine& line) {
+PoseColumns ReadHeader(const TableLine& line) {
   const std::vector<std::string>& cells = line.cells;
   if (cells.size() > kLimits.poses.max_num_columns) {
-    throw Invalid(line.number, "", "the pose file has too many columns");
+    throw InvalidPose(LinePointer(line.number), "the pose file has too many columns");
   }
+  std::vector<ColumnName> names;
+  for (const std::string& cell : cells) names.push_back(ParseName(cell));
   PoseColumns header;
-  std::map<std::string, size_t> unclaimed;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    const std::string name = Harmless(cells[i]);
-    if (name.empty()) {
-      header.unnamed.push_back(i);
-    } else if (!unclaimed.emplace(name, i).second) {
-      throw Invalid(line.number, name, "the column \"" + name + "\" comes twice");
+  std::set<size_t> claimed;
+  for (const FieldRule& rule : kRules) {
+    const std::optional<size_t> best = BestColumn(names, claimed, rule);
+    if (!best) continue;
+    const std::string name = Harmless(cells[*best]);
+    claimed.insert(*best);
+    if (!HasUsableUnit(names[*best], rule)) {
+      header.warnings.push_back("column \"" + name + "\"" + " has an unknown unit: ignored");
+      continue;
     }
-  }
-  for (const FieldNames& field : kFieldNames) {
-    for (const std::string_view known : field.Names()) {
-      const auto found = unclaimed.find(std::string(known));
-      if (found == unclaimed.end() || header.columns.count(field.field) != 0) continue;
-      header.columns[field.field] = {found->second, found->first};
-      unclaimed.erase(found);
+    for (size_t i = *best + 1; i < cells.size(); ++i) {
+      if (Harmless(cells[i]) != name) continue;
+      throw InvalidPose(LinePointer(line.number) + "/" + name,
+                        "the column \"" + name + "\"" + " comes twice");
     }
+    header.columns[rule.field] = {*best, name, names[*best].unit};
   }
-  for (const PoseField needed :
-       {PoseField::kImage, PoseField::kLatitude, PoseField::kLongitude, PoseField::kAltitude}) {
-    const std::string name(NameOf(needed));
-    if (header.columns.count(needed) == 0) {
-      throw Invalid(line.number, name, "the column " + name + " is needed");
-    }
-  }
-  for (const auto& [name, index] : unclaimed) header.warnings.push_back(IgnoredWarning(name));
+  if (!header.Has(F::kX)) header.columns.erase(F::kY);
+  if (!header.Has(F::kY)) header.columns.erase(F::kX);
+  RequireColumns(header, line.number);
+  WarnOfUnused(cells, claimed, header);
   return WithOneAttitude(std::move(header));
+}
+
+PoseColumns GuessedHeader(const TableLine& line, bool has_coordinate_system) {
+  const auto is_name = [](const std::string& cell) { return !NumberFromText(cell); };
+  auto image = std::find_if(line.cells.begin(), line.cells.end(), IsImageName);
+  if (image == line.cells.end())
+    image = std::find_if(line.cells.begin(), line.cells.end(), is_name);
+  const size_t first =
+      image == line.cells.end() ? 0 : static_cast<size_t>(image - line.cells.begin());
+  // Of OpenDroneMap: x y z yaw pitch roll accuracies, where yaw is the heading of the image's top.
+  static const std::vector<PoseField> kOfOdm{
+      F::kX, F::kY, F::kAltitude, F::kImageUpHeading, F::kPitch, F::kRoll, F::kPositionSd};
+  static const std::vector<PoseField> kOfPix4d{F::kY, F::kX, F::kAltitude};
+  PoseColumns header;
+  header.columns[F::kImage] = {first, std::string(NameOf(F::kImage)), {}};
+  size_t at = first == 0 ? 1 : 0;
+  for (const PoseField field : has_coordinate_system ? kOfOdm : kOfPix4d) {
+    if (at == first) ++at;
+    if (at >= line.cells.size()) break;
+    header.columns[field] = {at++, std::string(NameOf(field)), {}};
+  }
+  if (header.Has(F::kImageUpHeading) && !header.Has(F::kRoll)) {
+    for (const PoseField field : {F::kImageUpHeading, F::kPitch}) header.columns.erase(field);
+  }
+  if (!header.Has(F::kX) || !header.Has(F::kY)) {
+    throw InvalidPose(LinePointer(line.number), "must be: image x y z");
+  }
+  return header;
 }
 
 }  // namespace freelsd

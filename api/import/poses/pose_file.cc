@@ -1,148 +1,143 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
 #include "api/import/import.h"
-#include "api/import/poses/csv.h"
-#include "api/import/poses/pose_columns.h"
+#include "api/import/number_text.h"
 #include "api/import/poses/pose_line.h"
 #include "api/import/poses/poses.h"
+#include "api/import/poses/side_files.h"
+#include "api/import/poses/table.h"
+#include "api/import/utf8.h"
 
 namespace freelsd {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-// Largest number of lines reported in one error.
-// A later line with this many known names is the header of another table.
-constexpr size_t kMinHeaderColumns = 2;
+constexpr std::string_view kPoses = "/poses/";
 
-std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
-  std::vector<std::string> warnings;
-  const auto has = [&header](PoseField field) { return header.columns.count(field) != 0; };
-  if (has(PoseField::kHeightAboveTakeOff) && !has(PoseField::kHeightAboveGround)) {
-    warnings.emplace_back("height above take-off is used as height above ground");
+// An error of a table as people read it: "2" and "\"lat\" is needed and empty".
+struct LineError {
+  explicit LineError(const FieldError& field) {
+    const std::string at = field.pointer.substr(std::min(field.pointer.size(), kPoses.size()));
+    const size_t slash = std::min(at.find('/'), at.size());
+    line = at.substr(0, slash);
+    reason = (slash < at.size() ? "\"" + at.substr(slash + 1) + "\" " : "") + field.detail;
   }
-  const bool has_heading = has(PoseField::kYaw) || has(PoseField::kImageUpHeading);
-  const bool has_tilt = has(PoseField::kGimbalPitch) || has(PoseField::kQuaternionW) ||
-                        (has(PoseField::kRoll) && has(PoseField::kPitch));
-  if (has_heading && !has_tilt) {
-    warnings.emplace_back("only headings are given: roll and pitch are assumed level");
+  std::string line;
+  std::string reason;
+};
+
+// Values and lines that are left out, told once for each reason.
+class LeftOut {
+ public:
+  void Add(const ApiError& error, const std::string& what) {
+    errors_.insert(errors_.end(), error.errors().begin(), error.errors().end());
+    const LineError first(error.errors().at(0));
+    Reason& told = reasons_[first.reason + what];
+    if (told.num++ == 0) told.first_line = first.line;
   }
-  const auto wind = header.columns.find(PoseField::kWindFrom);
-  if (wind != header.columns.end() && wind->second.name.find("from") == std::string::npos) {
-    warnings.push_back("column \"" + wind->second.name + "\" is read as where the wind comes from");
+  const std::vector<FieldError>& errors() const { return errors_; }
+  void AddTo(std::vector<std::string>& warnings) const {
+    for (const auto& [reason, told] : reasons_) {
+      if (warnings.size() >= kMaxNumWarnings) return;
+      const std::string more =
+          told.num > 1 ? " (and " + std::to_string(told.num - 1) + " more)" : "";
+      warnings.push_back("line " + told.first_line + more + ": " + reason);
+    }
   }
-  // Altitudes are not converted: a flight has one datum of all its altitudes.
-  if (const std::optional<std::string> datum = header.AltitudeDatum()) {
-    warnings.push_back("column \"" + header.columns.at(PoseField::kAltitude).name +
-                       "\" is of the datum " + *datum);
-  }
-  if (has(PoseField::kWindFrom) && has(PoseField::kWindTo)) {
-    warnings.emplace_back(
-        "where the wind comes from is used; where it blows to is used only if that is empty");
-  }
-  const auto time = header.columns.find(PoseField::kDateTime);
-  if (time != header.columns.end() && time->second.name.find("utc") == std::string::npos) {
-    warnings.emplace_back("times of column \"" + time->second.name + "\" are read as UTC");
-  }
-  return warnings;
+
+ private:
+  struct Reason {
+    size_t num = 0;
+    std::string first_line;
+  };
+  static constexpr size_t kMaxNumWarnings = 200;
+  std::map<std::string, Reason> reasons_;
+  std::vector<FieldError> errors_;
+};
+
+bool IsSamePlace(const FrameMeta& a, const FrameMeta& b) {
+  constexpr double kSameDeg = 1e-7, kSameM = 0.1;
+  return std::abs(a.position->latitude_deg - b.position->latitude_deg) < kSameDeg &&
+         std::abs(a.position->longitude_deg - b.position->longitude_deg) < kSameDeg &&
+         std::abs(a.position->altitude_m - b.position->altitude_m) < kSameM;
 }
 
-bool IsRemark(std::string_view line) {
-  const size_t first = line.find_first_not_of(" \t");
-  return first != std::string_view::npos && line[first] == '#';
-}
-
-// Agisoft writes remarks before the header ("# Cameras (54)"), and # before the header itself.
-std::vector<CsvLine> LinesFromHeader(std::string_view text) {
-  int line_number = 1;
-  std::string_view rest = text;
-  while (IsRemark(rest.substr(0, rest.find('\n'))) &&
-         NumKnownColumns(rest.substr(0, rest.find('\n'))) == 0) {
-    rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
-    ++line_number;
-  }
-  try {
-    return ParseCsv(rest, line_number);
-  } catch (const std::invalid_argument& error) {
-    throw InvalidPose("/poses", error.what());
-  }
-}
-
-bool HoldsValue(const std::string& cell) {
-  return cell.find_first_not_of(" \t\r") != std::string::npos;
-}
-
-// The lines of poses: without remarks, without lines of empty cells, and without the table of
-// something else (Agisoft's markers) that begins with another header.
-std::vector<CsvLine> LinesOfPoses(const std::vector<CsvLine>& lines, PoseFile& file) {
-  std::vector<CsvLine> poses;
-  size_t num_remarks = 0;
-  for (size_t i = 1; i < lines.size(); ++i) {
-    const std::vector<std::string>& cells = lines[i].cells;
-    if (std::none_of(cells.begin(), cells.end(), HoldsValue)) continue;
-    if (!IsRemark(cells[0])) {
-      poses.push_back(lines[i]);
-    } else if (NumKnownColumns(cells) >= kMinHeaderColumns) {
-      file.warnings.push_back("a second table begins at line " + std::to_string(lines[i].number) +
-                              ": it is not read");
-      break;
+// Of two lines for one image the first is used if they agree, and none if not.
+void RemoveRepeated(PoseFile& file) {
+  std::map<std::string, std::pair<size_t, bool>> known;
+  std::vector<std::pair<std::string, FrameMeta>> kept;
+  for (auto& [id, meta] : file.poses) {
+    const auto [found, is_new] = known.try_emplace(id, kept.size(), true);
+    if (is_new) {
+      kept.emplace_back(id, std::move(meta));
     } else {
-      ++num_remarks;
+      found->second.second =
+          found->second.second && IsSamePlace(kept[found->second.first].second, meta);
+      file.warnings.push_back("two poses for the image " + id +
+                              (found->second.second ? ": the first is used" : ": none is used"));
     }
   }
-  if (num_remarks > 0) {
-    file.warnings.push_back(std::to_string(num_remarks) +
-                            " lines that begin with # are read as comments");
+  std::erase_if(kept, [&known](const auto& pose) { return !known.at(pose.first).second; });
+  file.poses = std::move(kept);
+}
+
+std::pair<std::string, FrameMeta> ReadPose(const TableFrame& frame,
+                                           const TableLine& line,
+                                           size_t num_columns,
+                                           const LeaveOut& leave_out) {
+  const auto is_empty = [](const std::string& cell) { return cell.empty(); };
+  const size_t num_cells = std::min(line.cells.size(), num_columns);
+  if (!std::all_of(line.cells.begin() + static_cast<long>(num_cells), line.cells.end(), is_empty)) {
+    throw InvalidPose(LinePointer(line.number), "more cells than the header has columns");
   }
-  return poses;
+  const PoseLine cells(frame, line);
+  FrameMeta meta = ReadPoseLine(cells, leave_out);
+  return {ImageIdOf(cells.Text(PoseField::kImage).value(), frame.tags), std::move(meta)};
 }
 
-std::pair<std::string, FrameMeta> ReadCsvPose(const PoseColumns& header,
-                                              const CsvLine& cells,
-                                              size_t num_columns) {
-  if (cells.cells.size() > num_columns) {
-    throw InvalidPose(LinePointer(cells.number), "more cells than the header has columns");
-  }
-  const PoseLine line(header, cells);
-  FrameMeta meta = ReadPoseLine(line);
-  return {IdFromFileName(line.Text(PoseField::kImage).value()), std::move(meta)};
-}
-
-bool HoldsValues(const CsvLine& line, const std::vector<size_t>& columns) {
-  return std::any_of(columns.begin(), columns.end(), [&line](size_t column) {
-    return column < line.cells.size() && HoldsValue(line.cells[column]);
-  });
-}
-
-PoseFile ParseCsvPoses(std::string_view text) {
-  const std::vector<CsvLine> lines = LinesFromHeader(text);
-  if (lines.empty()) throw InvalidPose("/poses", "the pose file is empty");
-  const PoseColumns header = ReadHeader(lines[0]);
+PoseFile ParseTable(std::string_view text, const SideContext& context) {
+  const Table table = ReadTable(text);
+  if (!table.header && table.lines.empty()) throw InvalidPose("/poses", "the pose file is empty");
+  const TableFrame frame = FrameOf(table, context);
   PoseFile file;
-  file.warnings = header.warnings;
-  for (const std::string& warning : AssumptionsOf(header)) file.warnings.push_back(warning);
-  std::optional<ApiError> first_error;
-  std::vector<FieldError> errors;
-  const std::vector<CsvLine> poses = LinesOfPoses(lines, file);
-  if (std::any_of(poses.begin(), poses.end(), [&header](const CsvLine& line) {
-        return HoldsValues(line, header.unnamed);
-      })) {
-    file.warnings.emplace_back("columns without a name hold values: ignored");
-  }
-  for (const CsvLine& line : poses) {
-    if (errors.size() >= kLimits.answer.max_num_listed_errors) break;
+  file.warnings = frame.header.warnings;
+  file.warnings.insert(file.warnings.end(), table.warnings.begin(), table.warnings.end());
+  const auto& unnamed = frame.header.unnamed;
+  const bool has_nameless =
+      std::any_of(table.lines.begin(), table.lines.end(), [&](const auto& line) {
+        return std::any_of(unnamed.begin(), unnamed.end(), [&line](size_t column) {
+          return column < line.cells.size() && !line.cells[column].empty();
+        });
+      });
+  if (has_nameless) file.warnings.emplace_back("columns without a name hold values: ignored");
+  const size_t num_columns =
+      table.header ? table.header->cells.size() : std::numeric_limits<size_t>::max();
+  LeftOut left_out;
+  for (const TableLine& line : table.lines) {
     try {
-      file.poses.push_back(ReadCsvPose(header, line, lines[0].cells.size()));
+      file.poses.push_back(ReadPose(frame, line, num_columns, [&](const ApiError& error) {
+        left_out.Add(error, ": this value is left out");
+      }));
     } catch (const ApiError& error) {
-      if (!first_error) first_error = error;
-      errors.insert(errors.end(), error.errors().begin(), error.errors().end());
+      left_out.Add(error, ": the line is left out");
     }
   }
-  if (first_error) throw ApiError(first_error->code(), first_error->what(), errors);
-  return file;
+  left_out.AddTo(file.warnings);
+  RemoveRepeated(file);
+  if (!file.poses.empty() || table.lines.empty()) return file;
+  std::vector<FieldError> errors = left_out.errors();
+  if (errors.empty()) errors = {{"/poses", file.warnings.back()}};
+  errors.resize(std::min(errors.size(), kLimits.answer.max_num_listed_errors));
+  const LineError first(errors[0]);
+  throw ApiError("InvalidPoses",
+                 first.line.empty() ? first.reason : "line " + first.line + ": " + first.reason,
+                 errors);
 }
 
 std::pair<std::string, FrameMeta> ParseNdjsonLine(const std::string& text, int number) {
@@ -186,19 +181,20 @@ void RefuseDuplicates(const PoseFile& file) {
 
 }  // namespace
 
-PoseFile ParsePoses(std::string_view text) {
-  if (text.size() > kLimits.poses.max_file_bytes) {
+PoseFile ParsePoses(std::string_view bytes, const SideContext& context) {
+  if (bytes.size() > kLimits.poses.max_file_bytes) {
     ApiError error("PosesTooLarge", "the pose file is too large");
     error.limit = static_cast<double>(kLimits.poses.max_file_bytes);
-    error.observed = static_cast<double>(text.size());
+    error.observed = static_cast<double>(bytes.size());
     throw error;
   }
-  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
-    text.remove_prefix(kByteOrderMark.size());
-  }
+  std::string text = ToUtf8(bytes);
+  // Some spreadsheets end lines with it alone.
+  if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
   const size_t first = text.find_first_not_of(" \t\r\n");
-  const bool is_ndjson = first != std::string_view::npos && text[first] == '{';
-  PoseFile file = is_ndjson ? ParseNdjsonPoses(text) : ParseCsvPoses(text);
+  const bool is_ndjson = first != std::string::npos && text[first] == '{';
+  if (!is_ndjson) return ParseTable(text, context);
+  PoseFile file = ParseNdjsonPoses(text);
   RefuseDuplicates(file);
   return file;
 }

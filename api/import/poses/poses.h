@@ -24,9 +24,6 @@ struct PoseFile {
   std::vector<Format> formats;
   std::optional<Camera> camera;
 };
-// CSV with a header, or NDJSON. ApiError points to the first 20 errors: "/poses/<line>/<column>".
-PoseFile ParsePoses(std::string_view text);
-
 // A text file beside the images: poses, a calibration or a reconstruction.
 struct SideFile {
   std::string path;  // as in the archive
@@ -39,9 +36,16 @@ struct SideContext {
   // Meta from the images' own tags, by frame id, in the order of the images.
   std::vector<std::pair<std::string, FrameMeta>> image_tags;
 };
-// Reads all files beside the images. The format is detected from the content: CSV, NDJSON, ODM
-// geo.txt, Kalibr camchain, ROS camera_info, COLMAP text, OpenSfM. Throws ApiError
-// InvalidPoses if a file is invalid or all are empty. One empty file among others is a warning.
+// A table of poses as other programs write it, or NDJSON. Lines and values that cannot be used are
+// left out with a warning. Throws ApiError InvalidPoses, with up to 20 pointers
+// "/poses/<line>/<column>", if no line can be used. The photographs' own tags give altitudes that
+// the table lacks, and decide where its columns leave a doubt.
+PoseFile ParsePoses(std::string_view text, const SideContext& context = {});
+
+// Reads all files beside the images. The format is detected from the content: tables, NDJSON, DJI's
+// MRK, Kalibr camchain, ROS camera_info, COLMAP text, OpenSfM, OpenDroneMap's cameras. Throws
+// ApiError InvalidPoses if a file is invalid or all are empty. One empty file among others is a
+// warning.
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context);
 
 // The format that PosesFromFiles detects for each file. Works also if PosesFromFiles throws.

@@ -6,7 +6,8 @@
 #include <set>
 
 #include "api/import/number_text.h"
-#include "api/import/poses/pose_columns.h"
+#include "api/import/poses/table.h"
+#include "api/import/utf8.h"
 
 namespace freelsd {
 namespace {
@@ -16,17 +17,6 @@ constexpr size_t kHeadBytes = 4096;
 constexpr double kMaxNormError = 0.01;
 // Numbers of a ground control point before the image's name.
 constexpr size_t kNumGcpNumbers = 5;
-constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
-std::string_view WithoutMark(std::string_view text) {
-  return text.starts_with(kUtf8Mark) ? text.substr(kUtf8Mark.size()) : text;
-}
 
 // The beginning of a file, and its name, in lower case.
 struct Head {
@@ -36,8 +26,8 @@ struct Head {
   bool is_json = false;
 
   explicit Head(const SideFile& file)
-      : text(Lower(WithoutMark(file.text).substr(0, kHeadBytes))),
-        name(Lower(NameWithoutFolders(file.path))),
+      : text(InLowerCase(ToUtf8(std::string_view(file.text).substr(0, kHeadBytes)))),
+        name(InLowerCase(NameWithoutFolders(file.path))),
         is_yaml(name.ends_with(".yaml") || name.ends_with(".yml")),
         is_json(name.ends_with(".json")) {
     const size_t start = text.find_first_not_of(" \t\r\n");
@@ -56,9 +46,12 @@ struct SideFormat {
 };
 
 void ReadPoseLines(const SideFile& file, SideData& data) {
-  PoseFile read = ParsePoses(file.text);
+  PoseFile read = ParsePoses(file.text, data.context);
   for (auto& pose : read.poses) data.file.poses.push_back(std::move(pose));
-  for (auto& warning : read.warnings) data.file.warnings.push_back(std::move(warning));
+  for (auto& warning : read.warnings) {
+    const bool is_of_line = warning.starts_with("line ");
+    data.file.warnings.push_back(is_of_line ? ShownPath(file.path) + " " + warning : warning);
+  }
 }
 
 void Ignore(const SideFile& file, SideData& data) {
@@ -69,18 +62,26 @@ void IgnoreGcps(const SideFile& file, SideData& data) {
   data.file.warnings.push_back(ShownPath(file.path) + ": ground control points are not used");
 }
 
+// In the first line that is not blank; a remark may stand before.
 bool HasCoordinateSystem(const Head& head) {
-  return head.Begins("epsg:") || head.Begins("+proj=") || head.Begins("wgs84 utm");
+  for (const TextLine& line : LinesOf(head.text, BlankLines::kKeep)) {
+    if (!CoordinateSystemIn(line.text).empty()) return line.text[0] != '#';
+    if (!line.text.empty() && line.text[0] != '#') return false;
+  }
+  return false;
 }
 
-bool IsNumber(const std::string& word) { return NumberFromText(word).has_value(); }
+// GPS week, and an angle with its letter: "[2237]", "47.35,Lat".
+bool IsDjiMark(const Head& head) {
+  return head.name.ends_with(".mrk") || (head.Has(",lat\t") && head.Has(",ellh\t"));
+}
 
 // x y z px py image; a line of geo.txt begins with the image.
 bool IsGcpLine(const std::string& line) {
   const std::vector<std::string> words = WordsOf(line);
   return words.size() > kNumGcpNumbers &&
-         std::all_of(words.begin(), words.begin() + kNumGcpNumbers, IsNumber) &&
-         !IsNumber(words[kNumGcpNumbers]);
+         std::all_of(words.begin(), words.begin() + kNumGcpNumbers, NumberFromText) &&
+         !NumberFromText(words[kNumGcpNumbers]);
 }
 
 bool IsOdmGcp(const Head& head) {
@@ -90,7 +91,7 @@ bool IsOdmGcp(const Head& head) {
 }
 
 // The first matching format is used.
-constexpr std::array<SideFormat, 13> kFormats{{
+constexpr std::array<SideFormat, 16> kFormats{{
     {"colmap-cameras",
      "named cameras.txt, or begins with \"# Camera list\"",
      [](const Head& head) { return head.name == "cameras.txt" || head.Begins("# camera list"); },
@@ -103,10 +104,18 @@ constexpr std::array<SideFormat, 13> kFormats{{
      "named points3D.txt, or begins with \"# 3D point list\"",
      [](const Head& head) { return head.name == "points3d.txt" || head.Begins("# 3d point list"); },
      Ignore},
+    {"colmap-rigs",
+     "named rigs.txt or frames.txt",
+     [](const Head& head) { return head.name == "rigs.txt" || head.name == "frames.txt"; },
+     Ignore},
     {"opensfm",
      "a list in JSON with cameras",
      [](const Head& head) { return head.Begins("[") && head.Has("\"cameras\""); },
      ReadOpenSfm},
+    {"opensfm-cameras",
+     "an object in JSON of cameras",
+     [](const Head& head) { return head.Begins("{") && head.Has("\"projection_type\""); },
+     ReadOpenSfmCameras},
     {"opensfm-reference",
      "an object in JSON with latitude, longitude, altitude",
      [](const Head& head) {
@@ -131,12 +140,13 @@ constexpr std::array<SideFormat, 13> kFormats{{
      "named gcp_list.txt, or rows x y z px py image below a coordinate system",
      IsOdmGcp,
      IgnoreGcps},
-    {"odm-geo", "its first line is a coordinate system", HasCoordinateSystem, ReadOdmGeo},
+    {"dji-mrk", "named .MRK, or has \",Lat\" and \",Ellh\"", IsDjiMark, ReadDjiMarks},
+    {"odm-geo", "its first line is a coordinate system", HasCoordinateSystem, ReadPoseLines},
     {"unknown-yaml",
      "its content is unknown",
      [](const Head& head) { return head.is_yaml; },
      Ignore},
-    {"csv", "has a header with known columns", [](const Head&) { return true; }, ReadPoseLines},
+    {"csv", "any other text is a table", [](const Head&) { return true; }, ReadPoseLines},
 }};
 
 void CheckSize(const SideFile& file) {
@@ -155,10 +165,10 @@ const SideFormat& FormatOf(const SideFile& file) {
 }
 
 bool IsBlank(const SideFile& file) {
-  return WithoutMark(file.text).find_first_not_of(" \t\r\n") == std::string_view::npos;
+  return ToUtf8(std::string_view(file.text).substr(0, kHeadBytes)).find_first_not_of(" \t\r\n") ==
+         std::string::npos;
 }
 
-// The text without a byte order mark.
 void ReadOne(const SideFile& file, SideData& data) {
   CheckSize(file);
   if (IsBlank(file)) {
@@ -182,12 +192,6 @@ void RefuseFramesTwice(const PoseFile& file) {
     throw ApiError(
         "InvalidPoses", "two poses for the image " + id, {{"/poses", "two poses for " + id}});
   }
-}
-
-bool IsSameCamera(const Camera& a, const Camera& b) {
-  return a.width_px == b.width_px && a.height_px == b.height_px && a.fx_px == b.fx_px &&
-         a.fy_px == b.fy_px && a.cx_px == b.cx_px && a.cy_px == b.cy_px &&
-         a.distortion == b.distortion && a.coefficients == b.coefficients;
 }
 
 }  // namespace
@@ -217,7 +221,9 @@ std::vector<TextLine> LinesOf(std::string_view text, BlankLines blanks) {
     const size_t first = line.find_first_not_of(" \t");
     const bool is_blank = first == std::string::npos || line[first] == '#';
     if (is_blank && blanks == BlankLines::kSkip) continue;
-    lines.push_back({number, first == std::string::npos ? "" : line.substr(first)});
+    // A tab may stand behind an empty cell.
+    lines.push_back(
+        {number, first == std::string::npos ? "" : line.substr(line.find_first_not_of(' '))});
   }
   return lines;
 }
@@ -258,16 +264,16 @@ Eigen::Quaterniond QuaternionOf(
   return quaternion.normalized();
 }
 
-void SetCamera(const Camera& camera, const SideFile& file, SideData& data) {
-  try {
-    camera.Check();
-  } catch (const std::invalid_argument& error) {
-    throw InvalidSideFile(file, 0, error.what());
+std::string ImageIdOf(std::string_view path, const std::map<std::string, FrameMeta>& tags) {
+  while (true) {
+    std::string whole(path);
+    std::replace_if(
+        whole.begin(), whole.end(), [](char c) { return c == '/' || c == '\\'; }, '_');
+    std::string id = IdFromFileName(whole);
+    const size_t folder = path.find_first_of("/\\");
+    if (folder == std::string_view::npos || tags.contains(id)) return id;
+    path.remove_prefix(folder + 1);
   }
-  if (data.file.camera && !IsSameCamera(*data.file.camera, camera)) {
-    throw InvalidSideFile(file, 0, "a second camera: a flight has only one");
-  }
-  data.file.camera = camera;
 }
 
 std::vector<PoseFile::Format> FormatsOf(const std::vector<SideFile>& files) {
@@ -283,27 +289,19 @@ std::vector<PoseFile::Format> FormatsOf(const std::vector<SideFile>& files) {
 bool IsAnyText(const SideFile& file) {
   const Head head(file);
   if (!head.name.ends_with(".txt") || &FormatOf(file) != &kFormats.back()) return false;
-  for (const TextLine& line : LinesOf(head.text, BlankLines::kKeep)) {
-    if (NumKnownColumns(line.text) > 0) return false;
-    // The first line without # would be the header.
-    if (!line.text.empty() && line.text[0] != '#') return true;
-  }
-  return true;
+  return !LooksLikeTable(ToUtf8(file.text));
 }
 
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context) {
   RefuseNothing(files, context);
   SideData data;
+  data.context = context;
+  data.tags.insert(context.image_tags.begin(), context.image_tags.end());
   data.file.formats = FormatsOf(files);
-  for (const SideFile& file : files) {
-    if (file.text.starts_with(kUtf8Mark)) {
-      ReadOne({file.path, std::string(WithoutMark(file.text))}, data);
-    } else {
-      ReadOne(file, data);
-    }
-  }
+  for (const SideFile& file : files) ReadOne({file.path, ToUtf8(file.text)}, data);
+  ChooseCamera(data);
   RefuseFramesTwice(data.file);
-  Georeference(context, data);
+  Georeference(data);
   RefuseFramesTwice(data.file);
   for (const std::string& warning : SuspicionsOf(data.file, context)) {
     data.file.warnings.push_back(warning);

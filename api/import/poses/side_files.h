@@ -1,6 +1,8 @@
 // Private to poses/. Shared by the readers of files beside the images.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +21,15 @@ struct LocalPose {
   Rigid3d local_from_camera;
 };
 
+// A calibration, or why it cannot be used.
+struct SideCamera {
+  // As the photographs name it; empty if they do not.
+  std::string id;
+  std::string path;
+  Camera camera;
+  std::optional<ApiError> problem;
+};
+
 // Data read so far from all files.
 struct SideData {
   PoseFile file;
@@ -28,6 +39,12 @@ struct SideData {
   // Where the local frame is east, north, up in metres. Nothing: its scale and attitude are
   // arbitrary and must be fitted to the geotags.
   std::optional<GeoPoint> local_origin;
+  std::vector<SideCamera> cameras;
+  // The camera of each image that a reconstruction names.
+  std::map<std::string, std::string> camera_ids;
+  // Of the request, and its tags by frame id.
+  SideContext context;
+  std::map<std::string, FrameMeta> tags;
 };
 
 // Makes an ApiError InvalidPoses with the pointer "/poses/<file>/<line>". Line 0 means the whole
@@ -52,20 +69,30 @@ std::vector<double> NumbersOf(const std::vector<std::string>& words,
 // Throws InvalidSideFile if the norm is not near 1.
 Eigen::Quaterniond QuaternionOf(
     double w, double x, double y, double z, const SideFile& file, int line);
-// Throws InvalidSideFile if Camera::Check refuses the camera or `data` has a different camera.
-void SetCamera(const Camera& camera, const SideFile& file, SideData& data);
+// Adds the camera that `read` returns, or the ApiError that it throws.
+void AddCamera(const std::string& id,
+               const SideFile& file,
+               const std::function<Camera()>& read,
+               SideData& data);
+// Chooses the one camera of the flight: nearly equal ones count as one, those of no photograph not
+// at all, and of different ones that of most photographs; the poses of the others are left out.
+// Throws ApiError if none can be used, or if nothing tells which photograph is whose.
+void ChooseCamera(SideData& data);
+// The frame id of a path: with its folders if a photograph of the request has them in its id.
+std::string ImageIdOf(std::string_view path, const std::map<std::string, FrameMeta>& tags);
 
 // One reader per format. Each reader adds to `data`.
-void ReadOdmGeo(const SideFile& file, SideData& data);
+void ReadDjiMarks(const SideFile& file, SideData& data);
 void ReadKalibr(const SideFile& file, SideData& data);
 void ReadCameraInfo(const SideFile& file, SideData& data);
 void ReadColmapCameras(const SideFile& file, SideData& data);
 void ReadColmapImages(const SideFile& file, SideData& data);
 void ReadOpenSfm(const SideFile& file, SideData& data);
+void ReadOpenSfmCameras(const SideFile& file, SideData& data);
 void ReadReferenceLla(const SideFile& file, SideData& data);
 
 // Converts local poses to poses on the earth.
-void Georeference(const SideContext& context, SideData& data);
+void Georeference(SideData& data);
 // Warnings about readable poses that are probably wrong. Each warning starts with its name, for
 // example "QuaternionOrder: ".
 std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& context);

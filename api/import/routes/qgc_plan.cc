@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "api/json_reader.h"
 
@@ -46,6 +47,17 @@ const nlohmann::json& Member(const nlohmann::json& object,
   return *found;
 }
 
+// Its altitude may be missing.
+GeoPoint ReadHome(nlohmann::json value, const std::string& pointer) {
+  const bool is_place = value.is_array() && (value.size() == 2 || value.size() == 3);
+  const bool has_altitude = is_place && value.size() == 3 && !value[2].is_null();
+  if (is_place && value[0].is_null()) throw InvalidValue(pointer, "the plan has no home");
+  if (is_place && !has_altitude) value[2] = 0.0;
+  GeoPoint home = ReadCoordinate(value, pointer);
+  if (!has_altitude) home.altitude_m = std::nan("");
+  return home;
+}
+
 const nlohmann::json& Items(const nlohmann::json& object, const std::string& pointer) {
   const nlohmann::json& items = Member(object, "items", pointer);
   if (!items.is_array()) throw InvalidValue(pointer + "/items", "must be an array");
@@ -54,10 +66,13 @@ const nlohmann::json& Items(const nlohmann::json& object, const std::string& poi
 
 class MissionReader {
  public:
-  MissionReader(const GeoPoint& home, PlannedRoute& route) : home_(home), route_(route) {}
+  // The home's altitude is NaN if it is not known.
+  MissionReader(const GeoPoint& home, const std::string& home_pointer, PlannedRoute& route)
+      : home_(home), home_pointer_(home_pointer), route_(route) {}
 
   void Read(const nlohmann::json& items, const std::string& pointer) {
     for (size_t i = 0; i < items.size() && !is_landing_; ++i) {
+      item_ = "item " + std::to_string(i + 1);
       ReadItem(items[i], pointer + "/" + std::to_string(i));
     }
   }
@@ -74,7 +89,7 @@ class MissionReader {
     }
     const auto transects = item.find("TransectStyleComplexItem");
     if (transects == item.end()) {
-      throw InvalidValue(pointer + "/complexItemType", "is not a survey or landing pattern");
+      return Warn(item_ + " (" + kind + ") is left out: it is no survey or landing pattern");
     }
     const std::string inside = pointer + "/TransectStyleComplexItem";
     const nlohmann::json& items = Member(*transects, "Items", inside);
@@ -90,7 +105,7 @@ class MissionReader {
     GeoPoint place = ReadCoordinate(Member(item, key, pointer), pointer + "/" + key);
     const auto relative = item.find("altitudesAreRelative");
     if (relative != item.end() && ReadBoolean(*relative, pointer + "/altitudesAreRelative")) {
-      place.altitude_m += home_.altitude_m;
+      place.altitude_m += HomeAltitudeM();
     }
     route_.points.push_back(place);
     is_landing_ = true;
@@ -107,7 +122,9 @@ class MissionReader {
     if (command == kChangeSpeed) return Warn("changes of speed within the plan are left out");
     if (command == kJump) return Warn("jumps within the plan are left out");
     if (command != kWaypoint && !is_take_off && !Contains(kOtherPlaces, command)) return;
-    if (is_take_off && route_.points.empty()) route_.points.push_back(home_);
+    if (is_take_off && route_.points.empty()) {
+      route_.points.push_back({home_.latitude_deg, home_.longitude_deg, HomeAltitudeM()});
+    }
     if (Contains(kOtherPlaces, command)) Warn("circles and curves of the plan are left out");
     AddPlace(item, pointer);
   }
@@ -123,14 +140,28 @@ class MissionReader {
     if (!has_place) return;
     GeoPoint place = ReadCoordinate({params[4], params[5], params[6]}, pointer + "/params");
     const int64_t frame = ReadInteger(Member(item, "frame", pointer), pointer + "/frame");
+    const auto above_sea = item.find("AMSLAltAboveTerrain");
     if (Contains(kAboveHomeFrames, frame)) {
-      place.altitude_m += home_.altitude_m;
+      place.altitude_m += HomeAltitudeM();
     } else if (!Contains(kAboveSeaFrames, frame)) {
-      throw InvalidValue(pointer + "/frame",
-                         "must be 0 (above mean sea level) or 3 (above home); heights above "
-                         "terrain are unknown here");
+      // QGroundControl keeps what its own terrain made of the height.
+      if (above_sea == item.end() || !above_sea->is_number()) {
+        throw InvalidValue(pointer + "/frame",
+                           item_ +
+                               ": must be 0 (above mean sea level) or 3 (above home); heights "
+                               "above terrain are unknown here");
+      }
+      place.altitude_m =
+          ReadNumber(*above_sea, pointer + "/AMSLAltAboveTerrain", {-1000.0, 20000.0});
     }
     route_.points.push_back(place);
+  }
+
+  double HomeAltitudeM() const {
+    if (!std::isnan(home_.altitude_m)) return home_.altitude_m;
+    throw InvalidValue(home_pointer_,
+                       "the plan's home has no altitude: that of " + item_ +
+                           " counts from it; set the planned home position");
   }
 
   void Return() {
@@ -149,7 +180,10 @@ class MissionReader {
   }
 
   GeoPoint home_;
+  std::string home_pointer_;
   PlannedRoute& route_;
+  // As people count them.
+  std::string item_;
   bool is_landing_ = false;
 };
 
@@ -159,14 +193,14 @@ PlannedRoute ReadQgcPlan(const nlohmann::json& plan, const std::string& pointer)
   const std::string at = pointer + "/mission";
   const nlohmann::json& mission = Member(plan, "mission", pointer);
   const nlohmann::json& items = Items(mission, at);
-  const GeoPoint home =
-      ReadCoordinate(Member(mission, "plannedHomePosition", at), at + "/plannedHomePosition");
+  const std::string home_pointer = at + "/plannedHomePosition";
+  const GeoPoint home = ReadHome(Member(mission, "plannedHomePosition", at), home_pointer);
   PlannedRoute route;
   const auto speed = mission.find("cruiseSpeed");
   if (speed != mission.end() && !speed->is_null()) {
     route.cruise_airspeed_mps = ReadNumber(*speed, at + "/cruiseSpeed", {1.0, 200.0});
   }
-  MissionReader(home, route).Read(items, at + "/items");
+  MissionReader(home, home_pointer, route).Read(items, at + "/items");
   if (route.points.size() < 2) throw InvalidValue(at + "/items", "has fewer than two waypoints");
   return route;
 }

@@ -141,7 +141,13 @@ RouteRequest ParseRouteRequest(const nlohmann::json& object) {
     request.has_fixes = ReadBoolean(*fixes, "/with_fixes");
   }
   reader.RefuseUnknownKeys();
-  if (!airspeed_mps) throw InvalidValue("/airspeed_mps", "is missing");
+  if (!airspeed_mps) {
+    throw InvalidValue("/airspeed_mps",
+                       reader.Find("plan") == nullptr
+                           ? "is missing"
+                           : "airspeed_mps is missing: the plan has no cruise speed, so the query "
+                             "must have it");
+  }
   request.airspeed_mps = *airspeed_mps;
   return request;
 }

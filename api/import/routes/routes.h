@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -49,5 +50,11 @@ struct RouteRequest {
 RouteRequest ParseRouteRequest(const nlohmann::json& object);
 // True if the object itself is a plan of QGroundControl.
 bool IsQgcPlan(const nlohmann::json& object);
+// True if the text begins as a file of waypoints ("QGC WPL 110").
+bool IsWaypoints(std::string_view text);
+// The same mission as a plan. Throws ApiError with the number of the line.
+nlohmann::json PlanOfWaypoints(std::string_view text);
+// The JSON of a route request or of a plan, or the plan of a file of waypoints; in UTF-8 or UTF-16.
+nlohmann::json ReadRouteFile(const std::string& bytes);
 
 }  // namespace freelsd

@@ -66,8 +66,7 @@ CompletedRoute Completed(const Service& service, nlohmann::json object) {
 }
 
 CompletedRoute RequestOf(const Service& service, const Call& call) {
-  nlohmann::json body =
-      ParseJson(call.body.ReadAll(kLimits.routes.max_bytes), kLimits.routes.max_bytes);
+  nlohmann::json body = ReadRouteFile(call.body.ReadAll(kLimits.routes.max_bytes));
   if (IsQgcPlan(body)) return Completed(service, ObjectOfPlan(call, body));
   for (const auto& [name, value] : call.request.params) {
     if (name == "f") continue;

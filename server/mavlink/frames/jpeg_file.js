@@ -1,20 +1,37 @@
 // What a JPEG file tells of itself without being decoded: whether it is whole, and when it was taken.
 
 const startOfImage = 0xffd8;
-const endOfImage = Buffer.from([0xff, 0xd9]);
+const endOfImage = 0xd9;
 const startOfScan = 0xda;
 const app1 = 0xe1;
 const exifMark = 'Exif\0\0';
 const exifPointer = 0x8769;
 const ascii = 2;
 const maxNumEntries = 1000;
-// Cameras add some bytes behind the end.
-const tailBytes = 4096;
 // Time, fraction of its second, offset from UTC: of the exposure, else of the digitizing.
 const timeTags = [[0x9003, 0x9291, 0x9011], [0x9004, 0x9292, 0x9012]];
 
+// Place of the next marker's code from `at` on. A zero follows a plain 0xff of pixels, codes from 0xd0
+// to 0xd7 stand between them, and 0xff fills.
+function nextMarker(bytes, at) {
+  for (let found = bytes.indexOf(0xff, at); found >= 0; found = bytes.indexOf(0xff, found + 1)) {
+    const code = bytes[found + 1];
+    if (code !== undefined && code !== 0 && code !== 0xff && !(code >= 0xd0 && code <= 0xd7)) return found + 1;
+  }
+  return undefined;
+}
+
+// True if the file reaches the end of its image, whatever follows. The thumbnail has ends of its own
+// within a segment.
 export function isWhole(bytes) {
-  return bytes.length > 4 && bytes.readUInt16BE(0) === startOfImage && bytes.subarray(-tailBytes).includes(endOfImage);
+  if (bytes.length < 4 || bytes.readUInt16BE(0) !== startOfImage) return false;
+  let isScanned = false;
+  for (let at = nextMarker(bytes, 2); at !== undefined && at + 3 <= bytes.length;) {
+    if (bytes[at] === endOfImage) return isScanned;
+    isScanned ||= bytes[at] === startOfScan;
+    at = nextMarker(bytes, at + 1 + bytes.readUInt16BE(at + 1));
+  }
+  return isScanned && bytes[bytes.length - 2] === 0xff && bytes[bytes.length - 1] === endOfImage;
 }
 
 // The TIFF part of EXIF.

@@ -20,6 +20,8 @@ const maxBytes = 64 * 1024 * 1024;
 const maxNumTimes = 5000;
 const pairPeriod_ms = 1000;
 const patience_ms = 5000;
+// A picture whose end is still missing then was not written further: the service judges it.
+const endless_ms = 30_000;
 const firstPause_ms = 500;
 const longestPause_ms = 10_000;
 // A flight that was deleted.
@@ -125,7 +127,7 @@ export class Pictures {
     if (this.#ledger.isNew) this.#add(files.map((picture) => ({ picture, fate: 'earlier' })));
     this.#forgetGone(files);
     const isNew = (file) => file.isSettled && !this.#ledger.has(file) && !this.#waiting.has(keyOf(file)) &&
-      !this.#incomplete.has(keyOf(file));
+      !(performance.now() - this.#incomplete.get(keyOf(file)) < endless_ms);
     for (const file of files.filter(isNew).slice(0, numReadAtOnce)) await this.#read(file);
     this.#pair(now_ms);
     await this.#send();
@@ -162,10 +164,11 @@ export class Pictures {
     }
     const bytes = await this.#bytesOf(file).catch(() => undefined);
     if (!bytes) return;
-    if (!isWhole(bytes)) {
-      this.#incomplete.set(key, file.name);
+    if (!isWhole(bytes) && !this.#incomplete.has(key)) {
+      this.#incomplete.set(key, performance.now());
       return;
     }
+    this.#incomplete.delete(key);
     const sha256 = digestOf(bytes);
     const isTwice = this.#ledger.hasDigest(sha256) || [...this.#waiting.values()].some((one) => one.sha256 === sha256);
     if (isTwice) {

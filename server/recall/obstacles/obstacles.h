@@ -30,7 +30,9 @@ struct KnownObstacle {
   BoundingBox box{};
 
   // Airspaces are not hard: they only rank a site last.
-  bool IsHard() const { return given.kind != ObstacleKind::kNoFly; }
+  bool IsHard() const {
+    return given.kind != ObstacleKind::kNoFly && given.kind != ObstacleKind::kWiresKnown;
+  }
 };
 using KnownObstacles = SharedRows<KnownObstacle>;
 
@@ -117,6 +119,8 @@ struct PathObstacles {
   // Ids of the airspaces that the path enters, and their names where they have one, else their ids.
   std::vector<std::string> airspaces;
   std::vector<std::string> airspace_names;
+  // Wires are known along the whole path.
+  bool are_wires_known = false;
 };
 
 // A way to a touchdown; altitudes are in the request's datum.
@@ -128,6 +132,9 @@ struct CheckedPath {
   // Half of the corridor that must be clear.
   double half_width_m = 0.0;
 };
+
+// True if each of the places lies in an area whose wires are known.
+bool AreWiresKnown(const StoredSites& stored, const std::vector<GeoPoint>& places);
 
 PathObstacles ObstaclesAlong(const StoredSites& stored,
                              const EmergencyRequest& request,

@@ -5,7 +5,7 @@
 #include "engine/obstacles/obstacles.h"
 #include "server/recall/emergency_request.h"
 #include "server/recall/obstacles/obstacles.h"
-#include "server/recall/recall_sites.h"
+#include "server/recall/terrain_margin.h"
 
 namespace freelsd {
 namespace {
@@ -138,10 +138,19 @@ void CheckHard(const StoredSites& stored,
   if (is_top_unknown) found.of_unknown_top.push_back(given.id);
 }
 
+bool HasHeightsAboveGround(const GivenObstacle& airspace) {
+  return airspace.floor_above_ground_m || airspace.ceiling_above_ground_m;
+}
+
+bool IsWithinHeightsAboveGround(const GivenObstacle& airspace, double height_m) {
+  if (airspace.ceiling_above_ground_m && height_m > *airspace.ceiling_above_ground_m) return false;
+  return !airspace.floor_above_ground_m || height_m >= *airspace.floor_above_ground_m;
+}
+
 // Bounds in the request's datum, widened by what the datums leave unknown.
-bool IsWithinHeights(const GivenObstacle& airspace,
-                     double altitude_m,
-                     const AltitudeReference& request) {
+bool IsWithinAltitudes(const GivenObstacle& airspace,
+                       double altitude_m,
+                       const AltitudeReference& request) {
   if (airspace.ceiling_m && altitude_m > AltitudeIn(airspace, *airspace.ceiling_m, request)) {
     return false;
   }
@@ -157,21 +166,42 @@ bool IsWithinHeights(const GivenObstacle& airspace,
   return altitude_m >= floor_m;
 }
 
-bool Enters(const std::vector<GeoPoint>& path,
-            const KnownObstacle& airspace,
-            const AltitudeReference& request) {
+// Heights above ground count from the stored maps' ground; where they show none, from the
+// touchdown's altitude.
+bool Enters(const StoredSites& stored,
+            const EmergencyRequest& request,
+            const std::vector<GeoPoint>& path,
+            const GivenObstacle& airspace) {
+  const std::vector<MapBelow> maps =
+      HasHeightsAboveGround(airspace) ? MapsBelow(stored, request, path) : std::vector<MapBelow>{};
+  const AltitudeReference reference = ReferenceOf(request);
   bool is_inside = false;
   March(path, kAirspaceStepM, [&](const GeoPoint& place) {
-    const double distance_m = NearestOf(airspace.given, place).distance_m;
-    if (distance_m == 0.0 && IsWithinHeights(airspace.given, place.altitude_m, request)) {
-      is_inside = true;
+    const double distance_m = NearestOf(airspace, place).distance_m;
+    if (distance_m == 0.0 && IsWithinAltitudes(airspace, place.altitude_m, reference)) {
+      const double ground_m = GroundAltitudeAt(maps, place).value_or(path.back().altitude_m);
+      is_inside = IsWithinHeightsAboveGround(airspace, place.altitude_m - ground_m);
     }
     return is_inside ? HUGE_VAL : distance_m;
   });
   return is_inside;
 }
 
+bool AreWiresKnownAt(const KnownObstacles& near, const GeoPoint& place) {
+  return std::any_of(near.begin(), near.end(), [&place](const auto& known) {
+    return known->given.kind == ObstacleKind::kWiresKnown &&
+           NearestOf(known->given, place).distance_m == 0.0;
+  });
+}
+
 }  // namespace
+
+bool AreWiresKnown(const StoredSites& stored, const std::vector<GeoPoint>& places) {
+  return std::all_of(places.begin(), places.end(), [&stored](const GeoPoint& place) {
+    return AreWiresKnownAt(stored.maps.ObstaclesNear(stored.storage, BoxAroundPlace(place, 0.0)),
+                           place);
+  });
+}
 
 PathObstacles ObstaclesAlong(const StoredSites& stored,
                              const EmergencyRequest& request,
@@ -179,10 +209,15 @@ PathObstacles ObstaclesAlong(const StoredSites& stored,
   std::vector<GeoPoint> whole = path.transit;
   whole.insert(whole.end(), path.landing.begin(), path.landing.end());
   PathObstacles found;
-  for (const auto& obstacle : stored.maps.ObstaclesNear(stored.storage, BoxOf(whole))) {
+  const KnownObstacles near = stored.maps.ObstaclesNear(stored.storage, BoxOf(whole));
+  found.are_wires_known = std::all_of(whole.begin(), whole.end(), [&near](const GeoPoint& place) {
+    return AreWiresKnownAt(near, place);
+  });
+  for (const auto& obstacle : near) {
+    if (obstacle->given.kind == ObstacleKind::kWiresKnown) continue;
     if (obstacle->IsHard()) {
       CheckHard(stored, request, path, *obstacle, found);
-    } else if (Enters(whole, *obstacle, ReferenceOf(request))) {
+    } else if (Enters(stored, request, whole, obstacle->given)) {
       const GivenObstacle& given = obstacle->given;
       found.airspaces.push_back(given.id);
       found.airspace_names.push_back(given.name.empty() ? given.id : given.name);

@@ -214,6 +214,7 @@ int AddAreas(const StoredSites& stored,
   answer["assumed_ground_altitude_m"] = nullptr;
   answer["cell_size_m"] = nullptr;
   answer["num_maps"] = 0;
+  answer["wires_known"] = AreWiresKnown(stored, {request.place});
   if (maps.patches.empty()) return 1;
   const double height_m = request.place.altitude_m - LowestOf(maps.patches);
   const double farthest_m =

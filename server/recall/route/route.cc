@@ -232,6 +232,7 @@ nlohmann::json CheckRoute(const StoredSites& stored, const RouteRequest& request
       {"gaps", nlohmann::json::array()},
       {"fixes", nlohmann::json::array()},
       {"samples", nlohmann::json::array()},
+      {"wires_known", AreWiresKnown(stored, request.route)},
       {"warnings", WarningsOf(request, insurance)}};
   for (const std::string& notice : stored.storage.Notices()) answer["warnings"].push_back(notice);
   for (const RouteGap& gap : insurance.gaps) answer["gaps"].push_back(GapJson(gap, times));

@@ -247,9 +247,10 @@ TEST_CASE("batch: faults of structure are refused and store nothing") {
       {Image("a.jpg", image), {"poses", kPosesHeader + PoseLine("b.jpg", 1), "p.csv", ""}});
   CheckProblem(unknown, 422, "UnknownImages");
   CHECK(nlohmann::json::parse(unknown->body)["errors"][0]["pointer"] == "/poses/0/image");
-  CheckProblem(PostBatch(fresh.client, flight, {Image("a.jpg", image), Image("a.jpg", image)}),
-               422,
-               "DuplicateId");
+  CheckProblem(
+      PostBatch(fresh.client, flight, {Image("a.jpg", image), Image("a.jpg", NoiseImage(2))}),
+      422,
+      "DuplicateId");
   CheckProblem(
       PostBatch(fresh.client, flight, {{"pictures", image, "a.jpg", ""}}), 422, "UnknownPart");
   CheckProblem(

@@ -108,9 +108,71 @@ TEST_CASE("decode: a JPEG cut anywhere is refused, and the next good one is take
     num_refused += error == "422 DamagedImage" || error == "415 UnsupportedImage" ? 1 : 0;
   }
   CHECK(num_refused == 99);
-  CHECK(ErrorOfDecoding(jpeg.substr(0, jpeg.size() - 1)) == "422 DamagedImage");
-  CHECK(ErrorOfDecoding(jpeg.substr(0, jpeg.size() - 2)) == "422 DamagedImage");
+  CHECK(ErrorOfDecoding(jpeg.substr(0, jpeg.size() - 8)) == "422 DamagedImage");
   CHECK(ErrorOfDecoding(jpeg) == "nothing");
+}
+
+// The start of the first scan's entropy-coded data.
+size_t ScanAt(const std::string& jpeg) {
+  const size_t at = jpeg.find("\xFF\xDA");
+  return at + 2 + BigEndian16(jpeg, at + 2);
+}
+
+TEST_CASE("decode: a JPEG that is whole is taken in spite of what surrounds its pixels") {
+  const cv::Mat picture = Picture(120, 160);
+  const std::string jpeg = Encoded(".jpg", picture);
+  const std::string progressive = Encoded(".jpg", picture, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  const std::string restarts = Encoded(".jpg", picture, {cv::IMWRITE_JPEG_RST_INTERVAL, 3});
+  const std::string body = jpeg.substr(0, jpeg.size() - 2), end("\xFF\xD9");
+  std::string bad_scan = jpeg;
+  bad_scan[ScanAt(jpeg) - 2] = '\0';  // Se
+  std::string garbage = jpeg;
+  garbage.insert(2, std::string(5, '\0'));
+  std::string garbage_later = jpeg;
+  garbage_later.insert(jpeg.find("\xFF\xDB"), "junk");
+  const std::vector<std::pair<std::string, std::string>> variants{
+      {"scan parameters", bad_scan},
+      {"no end", body},
+      {"no end, progressive", progressive.substr(0, progressive.size() - 2)},
+      {"no end, restarts", restarts.substr(0, restarts.size() - 2)},
+      {"half an end", jpeg.substr(0, jpeg.size() - 1)},
+      {"bytes before the end", body + std::string(4, '\x11') + end},
+      {"zeros before the end", body + std::string(40, '\0') + end},
+      {"zeros instead of the end", body + std::string(40, '\0')},
+      {"two ends", jpeg + end},
+      {"much behind the end", jpeg + std::string(8192, 'x')},
+      {"bytes before the first marker", garbage},
+      {"bytes between markers", garbage_later},
+      {"fill bytes", jpeg.substr(0, 2) + "\xFF\xFF\xFF" + jpeg.substr(2)}};
+  const cv::Mat wanted = DecodeImage(jpeg, {});
+  for (const auto& [what, bytes] : variants) {
+    CAPTURE(what);
+    CHECK(ErrorOfDecoding(bytes) == "nothing");
+    if (ErrorOfDecoding(bytes) != "nothing" || what.find(',') != std::string::npos) continue;
+    CHECK(cv::norm(DecodeImage(bytes, {}), wanted, cv::NORM_INF) == 0.0);
+  }
+}
+
+TEST_CASE("decode: of a JPEG that is cut, the missing share is told") {
+  const cv::Mat picture = Picture(128, 160);
+  for (const std::string& jpeg :
+       {Encoded(".jpg", picture), Encoded(".jpg", picture, {cv::IMWRITE_JPEG_RST_INTERVAL, 3})}) {
+    const size_t half = (ScanAt(jpeg) + jpeg.size()) / 2;
+    for (const std::string& bytes :
+         {jpeg.substr(0, half),
+          jpeg.substr(0, half) + "\xFF\xD9",
+          jpeg.substr(0, half) + std::string(jpeg.size() - half, '\0')}) {
+      std::string why;
+      try {
+        DecodeImage(bytes, {});
+      } catch (const ApiError& error) {
+        why = error.what();
+      }
+      CAPTURE(why);
+      CHECK((why.find("of 128 rows are missing") != std::string::npos ||
+             why.find("damaged") != std::string::npos));
+    }
+  }
 }
 
 TEST_CASE("decode: a PNG cut or with a flipped bit anywhere is refused") {

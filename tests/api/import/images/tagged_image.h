@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace freelsd {
@@ -71,6 +72,31 @@ inline std::string TiffFolder(const std::vector<TiffTag>& tags, size_t at) {
   return entries + LittleEndian(0, 4) + values;
 }
 
+// The JPEG with EXIF's folders of the receiver, of the photograph and of the image.
+inline std::string WithExif(const std::string& jpeg,
+                            const std::vector<TiffTag>& gps,
+                            const std::vector<TiffTag>& photo,
+                            std::vector<TiffTag> root = {}) {
+  const auto place = [](size_t at) { return LittleEndian(static_cast<uint32_t>(at), 4); };
+  const size_t num_root_tags = root.size() + 2;
+  size_t photo_at = 8 + 2 + 12 * num_root_tags + 4;
+  for (const TiffTag& tag : root) photo_at += tag.value.size() > 4 ? tag.value.size() : 0;
+  const std::string photo_folder = TiffFolder(photo, photo_at);
+  root.push_back({0x8769, kLongType, 1, place(photo_at)});
+  root.push_back({0x8825, kLongType, 1, place(photo_at + photo_folder.size())});
+  return WithSegment(jpeg,
+                     "Exif" + std::string(2, '\0') + "II*" + std::string(1, '\0') +
+                         LittleEndian(8, 4) + TiffFolder(root, 8) + photo_folder +
+                         TiffFolder(gps, photo_at + photo_folder.size()));
+}
+
+// A rational, or several, of EXIF.
+inline TiffTag RationalTag(uint32_t tag, const std::vector<std::pair<uint32_t, uint32_t>>& parts) {
+  std::string value;
+  for (const auto& [number, per] : parts) value += LittleEndian(number, 4) + LittleEndian(per, 4);
+  return {tag, kRationalType, static_cast<uint32_t>(parts.size()), value};
+}
+
 // A geotag of EXIF. North and east are positive.
 struct Geotag {
   double latitude_deg = 47.0;
@@ -116,15 +142,7 @@ inline std::string WithGeotag(const std::string& jpeg,
   std::vector<TiffTag> photo;
   if (!times.taken.empty()) photo.push_back(AsciiTag(0x9003, times.taken));
   if (!times.offset.empty()) photo.push_back(AsciiTag(0x9011, times.offset));
-  constexpr size_t kPhotoAt = 8 + 2 + 2 * 12 + 4;
-  const std::string photo_folder = TiffFolder(photo, kPhotoAt);
-  const size_t gps_at = kPhotoAt + photo_folder.size();
-  const auto place = [](size_t at) { return LittleEndian(static_cast<uint32_t>(at), 4); };
-  const std::string root = TiffFolder(
-      {{0x8769, kLongType, 1, place(kPhotoAt)}, {0x8825, kLongType, 1, place(gps_at)}}, 8);
-  return WithSegment(jpeg,
-                     "Exif" + std::string(2, '\0') + "II*" + std::string(1, '\0') +
-                         LittleEndian(8, 4) + root + photo_folder + TiffFolder(gps, gps_at));
+  return WithExif(jpeg, gps, photo);
 }
 
 }  // namespace freelsd

@@ -87,7 +87,9 @@ TEST_CASE("zip: plain files come in order with their paths, folders and leftover
                      {"__MACOSX/flight/._b 1.jpg", "junk"},
                      {"flight/.DS_Store", "junk"},
                      {"a.csv", large}});
-  const auto entries = Read(zip, ZipLimits{100, 1e4, 1 << 30, 1 << 30});
+  const ZipLimits limits{100, 1e4, 1 << 30, 1 << 30};
+  const auto entries = Read(zip, limits);
+  CHECK(ReadZip(zip.path().string(), limits, [](const auto&, auto&&) {}) == 2);
   REQUIRE(entries.size() == 2);
   CHECK(entries[0].name == "flight/b 1.jpg");
   CHECK(entries[0].bytes == "second");
@@ -101,7 +103,7 @@ TEST_CASE("zip: traversal, absolute paths, links and doubles are refused") {
   CHECK(ErrorOfZip({{"/etc/passwd", "x"}}) == "422 ZipRefused");
   CHECK(ErrorOfZip({{"C:\\a.jpg", "x"}}) == "422 ZipRefused");
   CHECK(ErrorOfZip({{"good.jpg", "x"}, {"link.jpg", "/etc/passwd", AE_IFLNK}}) == "422 ZipRefused");
-  CHECK(ErrorOfZip({{"a/1.jpg", "x"}, {"b/1.jpg", "y"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"a/1.jpg", "x"}, {"b/1.jpg", "y"}}) == "nothing");
   CHECK(ErrorOfZip({{"a..b.jpg", "x"}}) == "nothing");
   CHECK(ErrorOfZip({{"cam0/data.csv", "x"}, {"imu0/data.csv", "y"}}) == "nothing");
   CHECK(ErrorOfZip({{"a.csv", "x"}, {"a.csv", "y"}}) == "422 ZipRefused");
@@ -129,14 +131,61 @@ TEST_CASE("zip: orthophotos, films and point clouds are named and not unpacked")
   CHECK(ErrorOfZip({{"a.jpg", zeros}}, small) == "413 ZipTooLarge");
 }
 
-TEST_CASE("zip: only images are known by their name without folders") {
-  CHECK(ErrorOfZip({{"README.md", "x"}, {"code/README.md", "y"}}) == "nothing");
-  CHECK(ErrorOfZip({{"a/1.JPEG", "x"}, {"b/1.JPEG", "y"}}) == "422 ZipRefused");
+TEST_CASE("zip: kinds of files by their names") {
   CHECK(KindByName("a.b/c.PNG") == FileKind::kImage);
   CHECK(KindByName("geo.txt") == FileKind::kSideFile);
   CHECK(KindByName("LICENSE") == FileKind::kUnknown);
   CHECK(BeginsAsImage("\xFF\xD8\xFF\xE0"));
   CHECK_FALSE(BeginsAsImage("II*"));
+  for (const char* const leftover : {"._DJI_0001.JPG",
+                                     "DCIM/100MEDIA/._DJI_0001.JPG",
+                                     "__MACOSX/a.jpg",
+                                     "flight/@eaDir/a.jpg/thumb.jpg",
+                                     "MISC/THM/100/DJI_0001.JPG",
+                                     "a/Thumbs.db"}) {
+    CAPTURE(std::string(leftover));
+    CHECK(IsLeftover(leftover));
+  }
+  CHECK_FALSE(IsLeftover("a/.hidden.jpg"));
+  CHECK_FALSE(IsLeftover("THM.jpg"));
+}
+
+// The archive with the flag that its names are UTF-8, as other programs write it.
+void MarkNamesAsUtf8(const ZipFile& zip) {
+  std::string bytes = ReadBytes(zip.path());
+  for (const auto& [signature, flag_at] : {std::pair("PK\3\4", 7), {"PK\1\2", 9}}) {
+    for (size_t at = bytes.find(signature); at != std::string::npos;
+         at = bytes.find(signature, at + 1)) {
+      bytes[at + static_cast<size_t>(flag_at)] |= 0x08;
+    }
+  }
+  zip.Overwrite(bytes);
+}
+
+TEST_CASE("zip: names in any alphabet are read, with the flag of UTF-8 and without") {
+  const std::vector<Entry> entries{{"\xC3\x9C"
+                                    "berflug/DJI_0001.JPG",
+                                    "a"},
+                                   {"\xE8\x88\xAA\xE6\x8B\x8D/1.jpg", "b"},
+                                   {"U\xCC\x88"
+                                    "berflug/2.jpg",
+                                    "c"},
+                                   {"\xF0\x9F\x9A\x81.jpg", "d"},
+                                   {"old \x9A.jpg", "e"}};
+  for (const bool is_marked : {false, true}) {
+    CAPTURE(is_marked);
+    // The last name is no UTF-8.
+    const ZipFile zip(is_marked ? std::vector<Entry>(entries.begin(), entries.end() - 1) : entries);
+    if (is_marked) MarkNamesAsUtf8(zip);
+    const std::vector<Entry> read = Read(zip);
+    REQUIRE(read.size() == (is_marked ? 4 : 5));
+    for (const size_t i : {0U, 1U, 3U}) CHECK(read[i].name == entries[i].name);
+    // A letter and its accent become one character where the archive says that names are UTF-8.
+    CHECK(read[2].name == (is_marked ? "\xC3\x9C"
+                                       "berflug/2.jpg"
+                                     : entries[2].name));
+    for (size_t i = 0; i < read.size(); ++i) CHECK(read[i].bytes == entries[i].bytes);
+  }
 }
 
 TEST_CASE("zip: encrypted, cut, damaged and no zip at all are refused") {

@@ -210,5 +210,47 @@ TEST_CASE("obstacle features: a fault of a collection names the feature") {
   CHECK(ErrorOf([&] { ParseObstacles("{"); }) == "400 InvalidJson");
 }
 
+TEST_CASE("OpenStreetMap: lines, towers and masts are wires and masts, with told heights") {
+  const auto feature =
+      [](const char* id, const nlohmann::json& tags, const nlohmann::json& geometry) {
+        return nlohmann::json{
+            {"type", "Feature"}, {"id", id}, {"properties", tags}, {"geometry", geometry}};
+      };
+  const nlohmann::json line{{"type", "LineString"}, {"coordinates", {{8.0, 47.0}, {8.01, 47.0}}}};
+  const nlohmann::json point{{"type", "Point"}, {"coordinates", {8.005, 47.001}}};
+  nlohmann::json collection{
+      {"type", "FeatureCollection"},
+      {"features",
+       {feature("way/1", {{"power", "line"}, {"voltage", "380000;110000"}}, line),
+        feature("way/2", {{"power", "minor_line"}, {"height", "49 ft"}}, line),
+        feature("way/3", {{"power", "cable"}, {"location", "underground"}}, line),
+        feature("node/4", {{"power", "tower"}, {"height", "45.5"}}, point),
+        feature("node/5", {{"man_made", "mast"}, {"height", "high"}}, point),
+        feature("way/6", {{"highway", "track"}}, line)}}};
+  const ImportedObstacles imported = ParseObstacles(collection.dump());
+  REQUIRE(imported.obstacles.size() == 5);
+  const auto at = [&imported](size_t i) { return imported.obstacles[i]; };
+  CHECK(at(0).id == "osm-way-1");
+  CHECK(at(0).kind == ObstacleKind::kWire);
+  CHECK(at(0).height_m == 80.0);
+  CHECK(at(0).position_sd_m == 10.0);
+  CHECK(*at(1).height_m == doctest::Approx(14.9352));
+  CHECK(at(2).kind == ObstacleKind::kMast);
+  CHECK(at(2).height_m == 45.5);
+  CHECK(at(3).height_m == 150.0);
+  CHECK(at(4).kind == ObstacleKind::kWiresKnown);
+  CHECK(at(4).points.size() == 4);
+  std::string warnings;
+  for (const std::string& warning : imported.warnings) warnings += warning + "\n";
+  CHECK(warnings.find("1 of power=line: 80 m above ground is assumed") != std::string::npos);
+  CHECK(warnings.find("2 features are no wire or mast") != std::string::npos);
+  CHECK(warnings.find("no bbox") != std::string::npos);
+  collection["bbox"] = {7.5, 46.5, 8.5, 47.5};
+  const GivenObstacle known = ParseObstacles(collection.dump()).obstacles.at(4);
+  CHECK(known.points.front().longitude_deg == 7.5);
+  CHECK(known.points.front().latitude_deg == 46.5);
+  CHECK(ObstacleFeature(ParseStoredObstacle(ObstacleFeature(known))) == ObstacleFeature(known));
+}
+
 }  // namespace
 }  // namespace freelsd

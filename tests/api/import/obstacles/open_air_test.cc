@@ -79,13 +79,15 @@ TEST_CASE("open air: arcs turn as V D says, by angles and between places") {
   CHECK(between.obstacles[0].points.size() == 20);
 }
 
-TEST_CASE("open air: heights above ground count as the worst, with a warning") {
+TEST_CASE("open air: heights above ground stay heights above ground") {
   const ImportedObstacles imported =
       ParseOpenAir("AC Q\nAN low\nAL 500 FT AGL\nAH 1000 M AGL\nV X=47:30 N 7:30 E\nDC 1\n");
   REQUIRE(imported.obstacles.size() == 1);
   CHECK_FALSE(imported.obstacles[0].floor_m);
   CHECK_FALSE(imported.obstacles[0].ceiling_m);
-  CHECK(imported.warnings.size() == 2);
+  CHECK(imported.obstacles[0].floor_above_ground_m == doctest::Approx(152.4));
+  CHECK(imported.obstacles[0].ceiling_above_ground_m == 1000.0);
+  CHECK(imported.warnings.empty());
 }
 
 TEST_CASE("open air: two airspaces of one name have two ids") {
@@ -139,23 +141,112 @@ TEST_CASE("open air: coordinates and altitudes as files write them") {
   CHECK(CoordinatesFromText("47:30:36S 007:31:12 w")->longitude_deg == doctest::Approx(-7.52));
   CHECK(CoordinatesFromText("47:30.6 N, 7:31.2 E")->latitude_deg == doctest::Approx(47.51));
   CHECK(CoordinatesFromText("47.51N 7.52E")->longitude_deg == doctest::Approx(7.52));
-  for (const char* const text : {"", "N E", "47:60 N 7 E", "47 N", "47 N 7 E x", "1:2:3:4 N 7 E"}) {
+  for (const char* const text : {"", "N E", "47:61 N 7 E", "47 N", "47 N 7 E x", "1:2:3:4 N 7 E"}) {
     CAPTURE(text);
     CHECK_FALSE(CoordinatesFromText(text));
   }
-  CHECK(*AirAltitudeFromText("FL95")->altitude_m == doctest::Approx(2895.6));
-  CHECK(*AirAltitudeFromText("1000 m MSL")->altitude_m == 1000.0);
-  CHECK(*AirAltitudeFromText("1000ft")->altitude_m == doctest::Approx(304.8));
-  CHECK(*AirAltitudeFromText("3000")->altitude_m == doctest::Approx(914.4));
-  CHECK_FALSE(AirAltitudeFromText("UNLIMITED")->altitude_m);
-  CHECK_FALSE(AirAltitudeFromText("0 AGL")->is_above_ground);
-  CHECK(AirAltitudeFromText("1000 GND")->is_above_ground);
-  CHECK_FALSE(AirAltitudeFromText("FL 999")->altitude_m);
-  CHECK_FALSE(AirAltitudeFromText("99999 FT")->altitude_m);
+  using Kind = AirAltitude::Kind;
+  CHECK(AirAltitudeFromText("FL95")->altitude_m == doctest::Approx(2895.6));
+  CHECK(AirAltitudeFromText("1000 m MSL")->altitude_m == 1000.0);
+  CHECK(AirAltitudeFromText("1000ft")->altitude_m == doctest::Approx(304.8));
+  CHECK(AirAltitudeFromText("3000")->altitude_m == doctest::Approx(914.4));
+  CHECK(AirAltitudeFromText("UNLIMITED")->kind == Kind::kUnlimited);
+  CHECK(AirAltitudeFromText("0 AGL")->kind == Kind::kGround);
+  CHECK(AirAltitudeFromText("1000 GND")->kind == Kind::kAboveGround);
+  CHECK(AirAltitudeFromText("FL 999")->kind == Kind::kUnlimited);
+  CHECK(AirAltitudeFromText("99999 FT")->kind == Kind::kUnlimited);
   for (const char* const text : {"", "ask tower", "FL", "FL 1000", "1000 2000", "FT"}) {
     CAPTURE(text);
     CHECK_FALSE(AirAltitudeFromText(text));
   }
+}
+
+constexpr char kBox[] =
+    "DP 47:30:00 N 008:20:00 E\nDP 47:30:00 N 008:40:00 E\nDP 47:20:00 N 008:40:00 E\n"
+    "DP 47:20:00 N 008:20:00 E\n";
+
+// The names of what is imported, and all warnings; or the fault.
+std::string NamesOf(const std::string& text) {
+  try {
+    const ImportedObstacles imported = ParseOpenAir(text);
+    std::string names;
+    for (const GivenObstacle& each : imported.obstacles) names += each.name + ".";
+    for (const std::string& warning : imported.warnings) names += " " + warning + ".";
+    return names;
+  } catch (const ApiError& error) {
+    return error.what();
+  }
+}
+
+TEST_CASE("open air: one bad airspace is left out and named, the others stand") {
+  const std::string good = std::string("AC D\nAN GOOD\nAL GND\nAH 4500 ft MSL\n") + kBox;
+  const auto beside = [&good](const std::string& bad) { return NamesOf(bad + good); };
+  CHECK(beside(std::string("AC D\nAN BAD\nAL GND\n") + kBox) ==
+        "GOOD. BAD is left out: line 1: AH (the ceiling) is missing.");
+  for (const char* const heights : {"AL FL65\nAH FL65\n",
+                                    "AL UNL\nAH FL65\n",
+                                    "AL GND\nAH GND\n",
+                                    "AL 2000 ft AGL\nAH 1000 ft AGL\n",
+                                    "AL ask\nAH FL65\n"}) {
+    CAPTURE(heights);
+    CHECK(beside(std::string("AC W\nAN BOX\n") + heights + kBox)
+              .starts_with("GOOD. BOX is left out: line "));
+  }
+  CHECK(beside("AC W\nAN WAY\nAL GND\nAH FL65\nDY 47:30:00 N 008:20:00 E\n")
+            .starts_with("GOOD. WAY is left out: line 5"));
+  CHECK(beside(std::string("AC W\nAN TYPO\nAL GND\nAH FL65\nDP 47:3x N 8:20 E\n") + kBox)
+            .starts_with("GOOD. TYPO is left out: line 5"));
+  CHECK(beside("garbage before\n") == "GOOD. line 1: the record garbage is not read.");
+}
+
+TEST_CASE("open air: records of times, frequencies and later versions are passed over") {
+  const auto with = [](const std::string& record) {
+    return NamesOf("AC D\nAN CTR\n" + record + "\nAL GND\nAH 4500 ft MSL\n" + kBox);
+  };
+  for (const char* const record : {"AR 123.450", "AW MON.08:00L-23:59L", "AY TMA", "AF 118.1"}) {
+    CHECK(with(record) == "CTR.");
+  }
+  CHECK(with("ZZ 1") == "CTR. line 3: the record ZZ is not read.");
+}
+
+TEST_CASE("open air: seconds of 60, letters before, tabs, UTF-16") {
+  for (const char* const first : {"DP 47:29:60 N 008:20:00 E\n",
+                                  "DP N47:29:30 E008:20:00\n",
+                                  "DP\t47:29:30N\t008:20:00E\n",
+                                  "DP 47 29 30 N 008 20 00 E\n"}) {
+    CAPTURE(first);
+    CHECK(NamesOf(std::string("AC D\nAN CTR\nAL GND\nAH 4500 ft MSL\n") + first +
+                  "DP 47:30:00 N 008:40:00 E\nDP 47:20:00 N 008:40:00 E\n") == "CTR.");
+  }
+  std::string wide = "\xFF\xFE";
+  for (const char c : std::string(kSquare)) wide += {c, '\0'};
+  CHECK(IsOpenAir(wide));
+  CHECK(NamesOf(wide) == "LS-R 12/A.");
+}
+
+TEST_CASE("open air: lines of terrain are no border of the airspace before") {
+  for (const char* const record : {"TO RIVER\n", "TC LAKE\nSP 0,1,0,0,255\n"}) {
+    const ImportedObstacles imported = ParseOpenAir(kSquare + std::string(record) + kBox);
+    REQUIRE(imported.obstacles.size() == 1);
+    CHECK(imported.obstacles[0].points.size() == 3);
+    CHECK(imported.warnings.empty());
+  }
+}
+
+TEST_CASE("open air: an airspace across the antimeridian becomes two") {
+  const ImportedObstacles imported =
+      ParseOpenAir("AC C\nAN FJ\nAL GND\nAH FL95\nV X=17:00:00 S 179:55:00 E\nDC 30\n");
+  REQUIRE(imported.obstacles.size() == 2);
+  CHECK(imported.obstacles[0].id == "airspace-FJ");
+  CHECK(imported.obstacles[1].id == "airspace-FJ-2");
+  for (size_t i = 0; i < 2; ++i) {
+    for (const GeoPoint& point : imported.obstacles[i].points) {
+      CHECK((i == 0 ? 1.0 : -1.0) * point.longitude_deg > 179.3);
+    }
+  }
+  CHECK(ParseOpenAir("AC C\nAN W\nAL GND\nAH FL95\nDP 10:00 S 179:00 W\nDP 10:00 S 179:00 E\n"
+                     "DP 11:00 S 179:30 W\n")
+            .obstacles.size() == 2);
 }
 
 }  // namespace

@@ -98,5 +98,57 @@ TEST_CASE("colmap: what is malformed is refused at its line") {
         "422 InvalidPoses /poses/images.txt/2");
 }
 
+TEST_CASE("colmap: nearly equal cameras are one, unused ones none, different ones not mixed") {
+  const auto read = [](const std::string& cameras, std::vector<int> camera_of) {
+    std::string images = Images();
+    for (size_t i = 0; i < camera_of.size(); ++i) {
+      const std::string name = " flight/" + std::to_string(i + 1) + ".jpg";
+      const size_t at = images.find(" 1" + name);
+      images.replace(at, 2, " " + std::to_string(camera_of[i]));
+    }
+    return PosesFromFiles({{"cameras.txt", cameras}, {"images.txt", images}}, Geotags());
+  };
+  const std::string each =
+      "1 PINHOLE 640 480 500 500 320 240\n2 PINHOLE 640 480 501 501 320 240\n"
+      "3 PINHOLE 640 480 502 502 320 240\n";
+  const PoseFile alike = read(each, {1, 2, 3, 1});
+  CHECK(alike.poses.size() == 5);
+  CHECK(alike.camera->fx_px == 500.0);
+  CHECK(Warns(alike, "3 nearly equal cameras"));
+  const PoseFile unused = read(each + "4 FOV 640 480 1 2 3 4 5\n", {1, 1, 1, 1});
+  CHECK(unused.camera->fx_px == 500.0);
+  CHECK(Warns(unused, "3 cameras of no photograph"));
+  const PoseFile wide =
+      read("1 PINHOLE 640 480 500 500 320 240\n2 PINHOLE 320 240 90 90 160 120\n", {1, 1, 1, 2});
+  CHECK(wide.camera->width_px == 640);
+  CHECK(Warns(wide, "the poses of 1 photographs of 1 other cameras are left out"));
+  CHECK(
+      ErrorOfFiles({{"cameras.txt",
+                     "1 PINHOLE 640 480 500 500 320 240\n2 PINHOLE 640 480 900 900 320 240\n"}}) ==
+      "422 InvalidPoses /poses/cameras.txt");
+}
+
+TEST_CASE("colmap: further models, names with blanks, no lines of points, files of rigs") {
+  const auto camera = [](const std::string& line) {
+    return PosesFromFiles({{"cameras.txt", line}}, {}).camera.value();
+  };
+  CHECK(camera("1 FULL_OPENCV 640 480 500 500 320 240 .1 .2 .01 .02 .3 0 0 0").coefficients ==
+        std::vector<double>{.1, .2, .01, .02, .3});
+  CHECK(camera("1 RADIAL_FISHEYE 640 480 500 320 240 .1 .2").coefficients ==
+        std::vector<double>{.1, .2, 0, 0});
+  std::string images = Images();
+  for (size_t at; (at = images.find("\n\n")) != std::string::npos;) images.erase(at, 1);
+  for (size_t at = 0; (at = images.find("flight/", at)) != std::string::npos; at += 7) {
+    images.replace(at, 7, "my photo ");
+  }
+  SideContext context = Geotags();
+  for (auto& [id, meta] : context.image_tags) id = "my_photo_" + id;
+  const PoseFile file = PosesFromFiles(
+      {{"images.txt", images}, {"rigs.txt", "# Rig calib list\n1 1\n"}, {"frames.txt", "1 1\n"}},
+      context);
+  CHECK(file.poses.size() == 5);
+  CheckPlace(MetaOf(file, "my_photo_5.jpg"), kOrigin, {-10, 20, 30}, kMaxPlaceErrorM);
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -55,6 +55,23 @@ TEST_CASE("geo.txt: angles of zero are none, omega phi kappa are not taken for y
   CHECK(Warns(file, "CameraAnglesIgnored"));
 }
 
+TEST_CASE("geo.txt: kappa of a flight in one direction is not read as roll") {
+  const auto attitude = [](const std::string& angles) {
+    const PoseFile file = ReadGeo("EPSG:4326\na.jpg 8 47 500 " + angles + "\nb.jpg 8 47 500 " +
+                                  angles + "\nc.jpg 8 47 500 " + angles + "\n");
+    CHECK(Warns(file, "angles"));
+    return file.poses[0].second.ned_from_camera.has_value();
+  };
+  for (const char* const opk : {"0.5 -1.2 38", "2 3 -44", "-0.3 0.1 16", "1 1 10", "0 0 38"}) {
+    CAPTURE(std::string(opk));
+    CHECK_FALSE(attitude(opk));
+  }
+  for (const char* const ypr : {"38 -1.2 0.5", "-170 3 2", "90 10 -12"}) {
+    CAPTURE(std::string(ypr));
+    CHECK(attitude(ypr));
+  }
+}
+
 TEST_CASE("gcp_list.txt: ground control points are no poses, and are told of by name") {
   const SideFile geo{"geo.txt", "EPSG:4326\na.jpg 8 47 500\n"};
   const std::string utm = "WGS84 UTM 32N\n500000 4982950.4 100.5 1044.5 517.25 a.jpg gcp1\n";
@@ -85,13 +102,17 @@ TEST_CASE("side files: a text that is nothing known is told from one that may be
 }
 
 TEST_CASE("geo.txt: what cannot be used is refused at its line") {
-  CHECK(ErrorOfGeo("EPSG:2056\na.jpg 8 47 5") == "422 InvalidPoses /poses/geo.txt/1");
-  CHECK(ErrorOfGeo("WGS84 UTM 61N\na.jpg 8 47 5") == "422 InvalidPoses /poses/geo.txt/1");
-  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47") == "422 InvalidPoses /poses/geo.txt/2");
-  CHECK(ErrorOfGeo("EPSG:4326\n\na.jpg 8 nan 5") == "422 InvalidPoses /poses/geo.txt/3");
-  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 47 91 5") == "422 InvalidPoses /poses/geo.txt/2");
-  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47 5\na.jpg 8 47 5") == "422 InvalidPoses /poses");
-  CHECK(ErrorOfGeo("EPSG:32632\na.jpg 8e9 47 5") == "422 InvalidPoses /poses/geo.txt/2");
+  CHECK(ErrorOfGeo("EPSG:2056\na.jpg 8 47 5") == "422 InvalidPoses /poses/2/x");
+  CHECK(ErrorOfGeo("EPSG:4978\na.jpg 8 47 5") == "422 InvalidPoses /poses");
+  CHECK(ErrorOfGeo("WGS84 UTM 61N\na.jpg 8 47 5") == "422 InvalidPoses /poses");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47") == "422 InvalidPoses /poses/2/altitude_m");
+  CHECK(ErrorOfGeo("EPSG:4326\n\na.jpg 8 nan 5") == "422 InvalidPoses /poses/3/y");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 97 98 5") == "422 InvalidPoses /poses/2/x");
+  CHECK(ErrorOfGeo("EPSG:32632\na.jpg 8e9 47 5") == "422 InvalidPoses /poses/2/x");
+  // Only the other way round it is on the earth.
+  const PoseFile swapped = ReadGeo("EPSG:4326\na.jpg 47 91 5");
+  CHECK(MetaOf(swapped, "a.jpg").position->longitude_deg == 91.0);
+  CHECK(Warns(swapped, "value 3 is read as the longitude"));
 }
 
 }  // namespace

@@ -48,6 +48,28 @@ TEST_CASE("opensfm: numbers that overflow on their way to the earth are refused,
   }
 }
 
+TEST_CASE("opensfm: OpenDroneMap's cameras.json is a calibration, an unused camera is none") {
+  const std::string brown =
+      R"({"dji 376 240 brown 0.61": {"projection_type": "brown", "width": 376, "height": 240,
+        "focal_x": 0.618, "focal_y": 0.618, "c_x": 0, "c_y": 0, "k1": 0.01}})";
+  const PoseFile odm =
+      PosesFromFiles({{"cameras.json", brown}, {"geo.txt", "EPSG:4326\na.jpg 8 47 5\n"}}, {});
+  CHECK(odm.camera->fx_px == doctest::Approx(0.618 * 376));
+  CHECK(odm.poses.size() == 1);
+  std::string unused = kReconstruction;
+  unused.insert(unused.find("\"v2 canon"),
+                R"("old": {"projection_type": "spherical", "width": 10, "height": 5}, )");
+  const PoseFile file = PosesFromFiles({{"r.json", unused}, {"l.json", kReference}}, {});
+  CHECK(file.camera->width_px == 4000);
+  CHECK(Warns(file, "1 cameras of no photograph"));
+  // The largest of several reconstructions.
+  const PoseFile largest = PosesFromFiles(
+      {{"r.json", R"([{"cameras": {}, "shots": {}}, )" + std::string(kReconstruction).substr(1)},
+       {"l.json", kReference}},
+      {});
+  CHECK(largest.poses.size() == 1);
+}
+
 TEST_CASE("opensfm: what is missing is said") {
   CHECK(ErrorOfFiles({{"r.json", kReconstruction}}) == "422 InvalidPoses /poses");
   CHECK(ErrorOfFiles({{"r.json", R"([{"cameras": {}}])"}}) == "422 InvalidPoses /poses/r.json");

@@ -1,4 +1,5 @@
 // Requests for the insurance of a route: what is read, and what is refused by its name.
+#include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -163,12 +164,73 @@ TEST_CASE("route request: a plan that cannot be understood names its item") {
     bad["params"] = {1, 2};
     ParsePlan({good, bad});
   });
-  CheckRefused("/plan/mission/items/0/complexItemType", [&] {
-    ParsePlan({{{"type", "ComplexItem"}, {"complexItemType", "CorridorCheese"}}});
-  });
   CheckRefused("/plan/mission", [] { ParseRouteRequest({{"plan", nlohmann::json::object()}}); });
   CHECK_FALSE(IsQgcPlan(Request()));
   CHECK(IsQgcPlan(Plan({good})));
+}
+
+TEST_CASE("route request: what of a plan is no route is left out and named") {
+  const nlohmann::json good = Item(16, 3, 47.01, 80.0), more = Item(16, 3, 47.02, 80.0);
+  for (const char* const kind : {"StructureScan", "CorridorCheese"}) {
+    const RouteRequest request =
+        ParsePlan({good, {{"type", "ComplexItem"}, {"complexItemType", kind}}, more});
+    CHECK(request.route.size() == 2);
+    REQUIRE(request.warnings.size() == 1);
+    CHECK(request.warnings[0].starts_with(std::string("item 2 (") + kind + ") is left out"));
+  }
+  nlohmann::json above_ground = Item(16, 10, 47.03, 80.0);
+  above_ground["AMSLAltAboveTerrain"] = 612.5;
+  CHECK(ParsePlan({good, above_ground}).route.at(1).altitude_m == 612.5);
+}
+
+TEST_CASE("route request: a home without altitude matters only where heights count from it") {
+  const auto parse = [](const nlohmann::json& home, int frame) {
+    nlohmann::json plan = Plan({Item(16, frame, 47.01, 580.0), Item(16, frame, 47.02, 580.0)});
+    plan["mission"]["plannedHomePosition"] = home;
+    nlohmann::json object = Request();
+    object.erase("route");
+    object["plan"] = plan;
+    return ParseRouteRequest(object);
+  };
+  for (const nlohmann::json& home :
+       {nlohmann::json{47.0, 8.0, nullptr}, nlohmann::json{47.0, 8.0}}) {
+    CHECK(parse(home, 0).route.size() == 2);
+    CheckRefused("/plan/mission/plannedHomePosition", [&] { parse(home, 3); });
+  }
+  CheckRefused("/plan/mission/plannedHomePosition", [&] { parse({nullptr, nullptr, nullptr}, 0); });
+}
+
+TEST_CASE("route request: waypoints of Mission Planner are a plan") {
+  const std::string text =
+      "QGC WPL 110\r\n0\t1\t0\t16\t0\t0\t0\t0\t47.35\t8.45\t450\t1\r\n"
+      "1\t0\t3\t16\t0\t0\t0\t0\t47.355\t8.46\t80\t1\r\n"
+      "2\t0\t0\t16\t0\t0\t0\t0\t47.36\t8.47\t580\t1\r\n";
+  const auto parse = [](const std::string& waypoints) {
+    REQUIRE(IsWaypoints(waypoints));
+    return ParseRouteRequest({{"plan", PlanOfWaypoints(waypoints)}, {"airspeed_mps", 15.0}});
+  };
+  const RouteRequest request = parse(text);
+  REQUIRE(request.route.size() == 2);
+  CHECK(request.route[0].altitude_m == 530.0);
+  CHECK(request.route[1].altitude_m == 580.0);
+  CHECK(request.route[1].longitude_deg == 8.47);
+  CHECK(request.altitude_datum == "amsl");
+  CHECK(request.airspeed_mps == 15.0);
+  const std::string speeds =
+      "3 0 0 178 1 9 0 0 0 0 0 1\r\n4 0 0 178 0 18 0 0 0 0 0 1\r\n5 0 0 178 0 20 0 0 0 0 0 1\r\n";
+  CHECK(ParseRouteRequest({{"plan", PlanOfWaypoints(text + speeds)}}).airspeed_mps == 18.0);
+  CheckRefused("/airspeed_mps", [&] { ParseRouteRequest({{"plan", PlanOfWaypoints(text)}}); });
+  std::string blanks = "\xEF\xBB\xBF" + text;
+  std::replace(blanks.begin(), blanks.end(), '\t', ' ');
+  CHECK(parse(blanks).route.size() == 2);
+  CheckRefused("line 3",
+               [&] { PlanOfWaypoints("QGC WPL 110\n0 1 0 16 0 0 0 0 1 2 3 1\n1 0 3 16\n"); });
+  CheckRefused("line 2", [] { PlanOfWaypoints("QGC WPL 110\n"); });
+  // The home was never set.
+  CheckRefused("/plan/mission/plannedHomePosition", [&] {
+    parse("QGC WPL 110\n0 1 0 16 0 0 0 0 0 0 0 1\n1 0 3 16 0 0 0 0 47.1 8 80 1\n");
+  });
+  CHECK_FALSE(IsWaypoints("{}"));
 }
 
 }  // namespace

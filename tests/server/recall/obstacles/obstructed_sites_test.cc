@@ -260,6 +260,30 @@ TEST_CASE("obstructed: an airspace ranks a site last and never hides the only on
   CHECK(ids(1200.0).size() == 2);
 }
 
+TEST_CASE("obstructed: an airspace's floor above ground counts from the ground below the way") {
+  // From 600 m, 200 m above the touchdown.
+  const auto enters = [](const std::function<void(Storage&)>& store) {
+    const MeadowServer meadow(store);
+    HoldAgainstContract(*meadow.client);
+    const nlohmann::json zone = SquareAround(
+        {47.0, 8.0, 400.0}, 5000.0, {{"kind", "no_fly"}, {"floor_above_ground_m", 250}});
+    REQUIRE(meadow.client->Put("/v1/obstacles/zone", zone.dump(), "application/json")->status ==
+            201);
+    const nlohmann::json answer = WholeAnswer(*meadow.client, Query(600.0, kCalmNorth));
+    REQUIRE(answer["sites"].size() == 1);
+    return answer["sites"][0].contains("airspaces");
+  };
+  CHECK_FALSE(enters(StoreAmslMeadow));
+  CHECK(enters([](Storage& storage) {
+    StoreAmslMeadow(storage);
+    MapCache maps({size_t{1} << 24, size_t{1} << 22});
+    Flown valley{.flight_id = "valley", .is_accepted = false, .altitude_datum = "amsl"};
+    valley.altitude_error_m = -150.0;
+    valley.latitude_deg = 46.9955;
+    Store(storage, maps, valley);
+  }));
+}
+
 TEST_CASE("obstructed: a wire on the way, where no map is, counts by its altitude") {
   const MeadowServer meadow(StoreAmslMeadow);
   HoldAgainstContract(*meadow.client);
