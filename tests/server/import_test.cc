@@ -190,7 +190,7 @@ TEST_CASE("import: a file that cannot be read is told of with its line") {
   items.push_back(Beside("geo.txt", "EPSG:4326\n0.jpg 8 47\n"));
   const auto result = Post(fresh.client, flight, items);
   CheckProblem(result, 422, "InvalidPoses");
-  CHECK(nlohmann::json::parse(result->body)["errors"][0]["pointer"] == "/poses/geo.txt/2");
+  CHECK(nlohmann::json::parse(result->body)["errors"][0]["pointer"] == "/poses/2/altitude_m");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace freelsd {
 namespace {
 
-// exiv2 reads XMP within EXIF with global state.
+// Guards the global state with which exiv2 reads XMP within EXIF.
 std::mutex& Exiv2Mutex() {
   static std::mutex mutex;
   return mutex;

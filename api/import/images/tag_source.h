@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace Exiv2 {
+namespace Exiv2 {  // NOLINT(readability-identifier-naming): the library's name
 class Exifdatum;
 }
 

@@ -342,8 +342,8 @@ PoseColumns ReadHeader(const TableLine& line) {
   if (cells.size() > kLimits.poses.max_num_columns) {
     throw InvalidPose(LinePointer(line.number), "the pose file has too many columns");
   }
-  std::vector<ColumnName> names;
-  for (const std::string& cell : cells) names.push_back(ParseName(cell));
+  std::vector<ColumnName> names(cells.size());
+  std::transform(cells.begin(), cells.end(), names.begin(), ParseName);
   PoseColumns header;
   std::set<size_t> claimed;
   for (const FieldRule& rule : kRules) {

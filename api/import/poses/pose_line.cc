@@ -202,7 +202,7 @@ bool HasZeroAngles(const PoseLine& line) {
 // Sets the attitude in `meta`, or returns that of the camera.
 std::optional<Eigen::Quaterniond> TakeAttitude(const PoseLine& line, nlohmann::json& meta) {
   const std::optional<nlohmann::json> quaternion = QuaternionOf(line);
-  const std::optional<Eigen::Quaterniond> ned_from_camera = CameraAttitude(line);
+  std::optional<Eigen::Quaterniond> ned_from_camera = CameraAttitude(line);
   if (quaternion) {
     meta["attitude"] = *quaternion;
     return ned_from_camera;

@@ -18,6 +18,19 @@ constexpr std::array<char, 4> kSeparators{',', ';', '\t', ' '};
 
 bool IsSpace(char c) { return c == ' ' || c == '\t'; }
 
+// The quoted text that begins at `at`; `at` is behind it then. Empty, and `at` as it was, if there
+// is none, or if it does not end.
+std::string TakeQuoted(std::string_view line, size_t& at) {
+  std::string text;
+  const bool is_quoted = at < line.size() && line[at] == '"';
+  if (!is_quoted || line.find('"', at + 1) == std::string_view::npos) return text;
+  for (++at; at < line.size(); ++at) {
+    if (line[at] == '"' && (++at == line.size() || line[at] != '"')) break;
+    text += line[at];
+  }
+  return text;
+}
+
 // One line. Quotes, and doubled quotes in them, as in RFC 4180.
 std::vector<std::string> CellsOf(std::string_view line, char separator) {
   const auto separates = [separator](char c) {
@@ -29,14 +42,7 @@ std::vector<std::string> CellsOf(std::string_view line, char separator) {
     while (at < line.size() && IsSpace(line[at]) && (separator == ' ' || !separates(line[at])))
       ++at;
     if (separator == ' ' && at == line.size()) return cells;
-    std::string cell;
-    const size_t quote = at < line.size() && line[at] == '"' ? at : std::string_view::npos;
-    if (quote != std::string_view::npos && line.find('"', quote + 1) != std::string_view::npos) {
-      for (++at; at < line.size(); ++at) {
-        if (line[at] == '"' && (++at == line.size() || line[at] != '"')) break;
-        cell += line[at];
-      }
-    }
+    std::string cell = TakeQuoted(line, at);
     while (at < line.size() && !separates(line[at])) cell += line[at++];
     cells.emplace_back(Trimmed(cell));
     if (at == line.size()) return cells;

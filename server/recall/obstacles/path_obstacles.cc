@@ -177,6 +177,7 @@ bool Enters(const StoredSites& stored,
   const AltitudeReference reference = ReferenceOf(request);
   bool is_inside = false;
   March(path, kAirspaceStepM, [&](const GeoPoint& place) {
+    if (is_inside) return HUGE_VAL;
     const double distance_m = NearestOf(airspace, place).distance_m;
     if (distance_m == 0.0 && IsWithinAltitudes(airspace, place.altitude_m, reference)) {
       const double ground_m = GroundAltitudeAt(maps, place).value_or(path.back().altitude_m);

@@ -279,7 +279,7 @@ TEST_CASE("obstructed: an airspace's floor above ground counts from the ground b
     MapCache maps({size_t{1} << 24, size_t{1} << 22});
     Flown valley{.flight_id = "valley", .is_accepted = false, .altitude_datum = "amsl"};
     valley.altitude_error_m = -150.0;
-    valley.latitude_deg = 46.9955;
+    valley.latitude_deg = 46.9967;
     Store(storage, maps, valley);
   }));
 }
