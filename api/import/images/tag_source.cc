@@ -16,8 +16,8 @@
 namespace freelsd {
 namespace {
 
-// Guards the global state with which exiv2 reads XMP within EXIF.
 std::mutex& Exiv2Mutex() {
+  // Guards the global state with which exiv2 reads XMP within EXIF.
   static std::mutex mutex;
   return mutex;
 }

@@ -101,8 +101,9 @@ TEST_CASE("odd tags: XMP that is not well-formed is read as far as it can be") {
        "ns1:GimbalPitchDegree='-90' ns1:RelativeAltitude='98' ns1:AltitudeType='RtkAlt'/>"
        "</rdf:RDF></x:xmpmeta>"},
   };
-  for (const auto& [what, packet] : packets) {
-    CAPTURE(what);
+  for (const auto& variant : packets) {
+    const auto& packet = variant.second;
+    INFO(variant.first);
     CHECK(HasAll(WithPacket(packet)));
   }
 }
@@ -115,8 +116,9 @@ TEST_CASE("odd tags: XMP that cannot be read is told") {
       {"entities", "<!DOCTYPE x [<!ENTITY a 'aaaa'>]>" + Packet(whole)},
       {"cut within the properties", (kXmpHead + whole).substr(0, sizeof(kXmpHead) + 60)},
       {"a property twice, with two values", Packet(whole + "drone-dji:GimbalYawDegree='-120.0'")}};
-  for (const auto& [what, packet] : packets) {
-    CAPTURE(what);
+  for (const auto& variant : packets) {
+    const auto& packet = variant.second;
+    INFO(variant.first);
     CHECK(Tells(WithPacket(packet), "XMP"));
   }
   for (const std::string name :
@@ -167,8 +169,9 @@ TEST_CASE("odd tags: every form of a hemisphere is read, or refused with its nam
       {"of the other axis", {AsciiTag(1, "W")}},
       {"a word", {AsciiTag(1, "unknown")}},
       {"a sign", {AsciiTag(1, "-")}}};
-  for (const auto& [what, ref] : unknown) {
-    CAPTURE(what);
+  for (const auto& variant : unknown) {
+    const auto& ref = variant.second;
+    INFO(variant.first);
     const ImageTags tags = WithLatitudeRef(ref);
     CHECK((!tags.meta.position && Tells(tags, "GPSLatitudeRef")));
   }
