@@ -75,7 +75,8 @@ class KindNetwork {
   KindNetwork(KindNetwork&&) noexcept;
   KindNetwork& operator=(KindNetwork&&) noexcept;
 
-  // Everything is not told if the colours of the photograph lie outside those of the training.
+  // Everything is not told if the colours of the photograph lie outside those of the training, if
+  // it is too coarse, or if it shows too much ground at once (70 ha).
   // `photograph`: BGR or grey, 8 bit.
   KindPicture Tell(const cv::Mat& photograph, double ground_sampling_distance_m);
 

@@ -19,6 +19,13 @@ constexpr int kLumaStep = 4;
 constexpr float kMostSureLogit = 14.0f;
 constexpr float kNumProbabilitySteps = 15.0f;
 
+// No picture of the training was coarser, with the largest of its scales.
+constexpr double kCoarsestSamplingM = 0.6;
+// Of the picture that the network gets: a gigabyte of its layers.
+constexpr double kMostPixels = 16e6;
+// A photograph of more ground is called coarser, at most by the largest scale of the training.
+constexpr double kMostCoarsening = 1.4;
+
 cv::Mat3b Resampled(const cv::Mat& photograph, double scale) {
   cv::Mat3b colour;
   if (photograph.channels() == 1) {
@@ -160,7 +167,12 @@ KindNetwork& KindNetwork::operator=(KindNetwork&&) noexcept = default;
 
 KindPicture KindNetwork::Tell(const cv::Mat& photograph, double ground_sampling_distance_m) {
   const KindModel::Content& model = state_->model.content();
-  const double scale = ground_sampling_distance_m / model.metres_per_pixel;
+  const double wanted_scale = ground_sampling_distance_m / model.metres_per_pixel;
+  const double scale =
+      std::min(wanted_scale, std::sqrt(kMostPixels / static_cast<double>(photograph.total())));
+  const bool is_within =
+      ground_sampling_distance_m <= kCoarsestSamplingM && wanted_scale <= kMostCoarsening * scale;
+  if (!is_within) return {cv::Mat1b::zeros(1, 1), cv::Mat1b::zeros(1, 1), double(photograph.cols)};
   const cv::Mat3b image = Brightened(Resampled(photograph, scale), model);
   const int num_rows = (image.rows + model.stride_px - 1) / model.stride_px;
   const int num_cols = (image.cols + model.stride_px - 1) / model.stride_px;
