@@ -166,8 +166,11 @@ cv::Mat DecodePng(std::string_view bytes, const ImageHeader& header) {
 DecodedImage DecodeAndTell(std::string_view bytes, const ImageLimits& limits) {
   const ImageHeader header = SniffImage(bytes, limits);
   if (!header.is_jpeg) return {DecodePng(bytes, header), {}};
-  // The rest of a file that was cut may be zeros, which would decode as pixels.
-  bytes.remove_suffix(bytes.size() - 1 - bytes.find_last_not_of('\0'));
+  // The rest of a file that was cut may be zeros, which would decode as pixels. The last scan may
+  // itself end with a zero, after FF.
+  const size_t num_zeros = bytes.size() - 1 - bytes.find_last_not_of('\0');
+  constexpr size_t kMostOfAScan = 2;
+  bytes.remove_suffix(num_zeros - std::min(num_zeros, kMostOfAScan));
   return JpegReader(bytes).Read(header);
 }
 

@@ -1,8 +1,11 @@
 #include "api/import/images/image_position.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <initializer_list>
 
+#include "api/import/angle_text.h"
 #include "api/import/number_text.h"
 
 namespace freelsd {
@@ -14,12 +17,14 @@ constexpr double kMinAltitude = -1000.0, kMaxAltitude = 20000.0;
 constexpr double kLowestLand = -450.0, kLowestUsualLand = -50.0;
 // Above the difference of two datums.
 constexpr double kMaxAltitudeDisagreement = 120.0;  // and in a sentence below
+// Of one altitude in two units.
+constexpr double kMaxFeetDisagreement = 2.0;
 constexpr double kMaxPlaceDisagreementDeg = 0.01;
 constexpr char kAltitude[] = "Exif.GPSInfo.GPSAltitude";
 constexpr char kAltitudeRef[] = "Exif.GPSInfo.GPSAltitudeRef";
-// Values of GPSAltitudeRef; EXIF 3.0 has added those of the ellipsoid.
-constexpr double kAboveSeaLevel = 0.0, kBelowSeaLevel = 1.0;
-constexpr double kAboveEllipsoid = 2.0, kBelowEllipsoid = 3.0;
+// Values of GPSAltitudeRef. EXIF 3.0 (4.6.7.1.6) has added 2 and 3 for sea level and made 0 and 1
+// those of the ellipsoid; cameras go on to write 0 and 1 for sea level.
+constexpr double kAbove = 0.0, kBelow = 1.0, kBelowSeaLevel = 3.0;
 
 std::optional<double> FirstOf(const std::optional<double>& first,
                               const std::optional<double>& second) {
@@ -28,7 +33,7 @@ std::optional<double> FirstOf(const std::optional<double>& first,
 
 std::string Metres(double metres) { return std::to_string(std::lround(metres)) + " m"; }
 
-struct Axis {
+struct AxisTags {
   std::string name;  // of EXIF, without GPS
   char positive;
   char negative;
@@ -65,7 +70,7 @@ Coordinate Angle(const std::string& name, std::vector<double> parts) {
 }
 
 // Degrees, minutes, seconds with the hemisphere's letter.
-Coordinate FromExif(const TagSource& tags, const Axis& axis) {
+Coordinate FromExif(const TagSource& tags, const AxisTags& axis) {
   const std::string name = "GPS" + axis.name, key = "Exif.GPSInfo." + name;
   const std::vector<double> parts = tags.ExifNumbers(key);
   if (parts.empty()) return {};
@@ -88,8 +93,21 @@ Coordinate FromExif(const TagSource& tags, const Axis& axis) {
   return read;
 }
 
+// Of DJI's schema, or of that of EXIF, which has "47,21.06N".
+std::optional<double> XmpCoordinate(const TagSource& tags,
+                                    const std::string& exif_name,
+                                    Axis axis,
+                                    std::initializer_list<const char*> dji_names) {
+  for (const char* const name : dji_names) {
+    if (const auto number = tags.XmpNumber("drone", name)) return number;
+  }
+  std::string text = tags.XmpText("exif", exif_name).value_or("");
+  std::replace(text.begin(), text.end(), ',', ' ');
+  return AngleFromText(text, axis);
+}
+
 // EXIF's coordinate, checked with XMP's, or XMP's.
-Coordinate Combined(const TagSource& tags, const Axis& axis) {
+Coordinate Combined(const TagSource& tags, const AxisTags& axis) {
   Coordinate exif = FromExif(tags, axis);
   if (!axis.xmp_deg) return exif;
   if (!exif.deg) {
@@ -149,15 +167,21 @@ std::optional<std::string> AltitudeDatum(const TagSource& tags) {
   if (dji.IsFromRtk()) return "ellipsoid";
   const std::optional<double> reference = AltitudeReference(tags);
   if (dji.IsDoubtful() || !reference || !tags.ExifNumber(kAltitude)) return std::nullopt;
-  if (*reference == kAboveSeaLevel || *reference == kBelowSeaLevel) return "amsl";
-  if (*reference == kAboveEllipsoid || *reference == kBelowEllipsoid) return "ellipsoid";
-  return std::nullopt;
+  if (*reference > kBelowSeaLevel) return std::nullopt;
+  return "amsl";
 }
 
 std::optional<double> ExifAltitude(const TagSource& tags) {
   const std::optional<double> altitude = tags.ExifNumber(kAltitude);
-  const double reference = AltitudeReference(tags).value_or(kAboveSeaLevel);
-  const bool is_below = reference == kBelowSeaLevel || reference == kBelowEllipsoid;
+  const double reference = AltitudeReference(tags).value_or(kAbove);
+  const bool is_below = reference == kBelow || reference == kBelowSeaLevel;
+  return altitude && is_below ? -std::abs(*altitude) : altitude;
+}
+
+// Of the EXIF schema of XMP.
+std::optional<double> ExifAltitudeInXmp(const TagSource& tags) {
+  const std::optional<double> altitude = tags.XmpNumber("exif", "GPSAltitude");
+  const bool is_below = tags.XmpNumber("exif", "GPSAltitudeRef") == kBelow;
   return altitude && is_below ? -std::abs(*altitude) : altitude;
 }
 
@@ -171,10 +195,14 @@ TaggedAltitude Altitude(const TagSource& tags) {
   const std::optional<double> exif = ExifAltitude(tags);
   const std::optional<double> xmp = tags.XmpNumber("drone", "AbsoluteAltitude");
   const bool is_xmp_sane = xmp && *xmp != 0.0 && *xmp > kLowestLand && *xmp < kMaxAltitude;
-  if (!exif || !is_xmp_sane) return {FirstOf(exif, xmp), ""};
+  if (!exif || !is_xmp_sane) return {FirstOf(exif, FirstOf(xmp, ExifAltitudeInXmp(tags))), ""};
   const bool has_other_sign = *exif * *xmp < 0.0 && std::abs(*exif + *xmp) < 1.0;
   if (*exif != 0.0 && !has_other_sign && std::abs(*exif - *xmp) < kMaxAltitudeDisagreement) {
     return {exif, ""};
+  }
+  constexpr double kMetresPerFoot = 0.3048;
+  if (*exif != 0.0 && std::abs(*exif - kMetresPerFoot * *xmp) < kMaxFeetDisagreement) {
+    return {exif, "AbsoluteAltitude in XMP is GPSAltitude in feet: it is not used"};
   }
   // One sentence for all photographs of a flight, therefore without their numbers.
   const std::string what = *exif == 0.0     ? "is 0"
@@ -217,19 +245,12 @@ std::string WhatIsMissing(const Coordinate& latitude,
 TaggedPosition PositionFromTags(const TagSource& tags) {
   TaggedPosition read;
   // One firmware spells it with a superfluous t.
-  const Coordinate latitude = Combined(
-      tags,
-      {"Latitude",
-       'N',
-       'S',
-       FirstOf(tags.XmpNumber("drone", "GpsLatitude"), tags.XmpNumber("drone", "Latitude"))});
-  const Coordinate longitude = Combined(tags,
-                                        {"Longitude",
-                                         'E',
-                                         'W',
-                                         FirstOf(tags.XmpNumber("drone", "GpsLongitude"),
-                                                 FirstOf(tags.XmpNumber("drone", "GpsLongtitude"),
-                                                         tags.XmpNumber("drone", "Longitude")))});
+  const auto latitude_in_xmp =
+      XmpCoordinate(tags, "GPSLatitude", Axis::kLatitude, {"GpsLatitude", "Latitude"});
+  const auto longitude_in_xmp = XmpCoordinate(
+      tags, "GPSLongitude", Axis::kLongitude, {"GpsLongitude", "GpsLongtitude", "Longitude"});
+  const Coordinate latitude = Combined(tags, {"Latitude", 'N', 'S', latitude_in_xmp});
+  const Coordinate longitude = Combined(tags, {"Longitude", 'E', 'W', longitude_in_xmp});
   const bool has_any =
       latitude.deg || longitude.deg || !latitude.problem.empty() || !longitude.problem.empty();
   if (!has_any) return read;
@@ -251,7 +272,7 @@ TaggedPosition PositionFromTags(const TagSource& tags) {
   for (const std::string& warning : {latitude.warning, longitude.warning, altitude.warning}) {
     if (!warning.empty()) read.warnings.push_back(warning);
   }
-  if (AltitudeReference(tags).value_or(kAboveSeaLevel) > kBelowEllipsoid) {
+  if (AltitudeReference(tags).value_or(kAbove) > kBelowSeaLevel) {
     read.warnings.emplace_back("GPSAltitudeRef is unknown: the datum of the altitude is not known");
   }
   read.altitude_datum = AltitudeDatum(tags);

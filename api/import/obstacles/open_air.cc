@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -288,7 +289,11 @@ void Reader::Read(size_t line, std::string_view text) {
   text = Trimmed(text.substr(0, comment));
   if (text.empty()) return;
   const size_t blank = text.find_first_of(" \t=");
-  const std::string command(text.substr(0, blank));
+  const std::string written(text.substr(0, blank));
+  std::string command = written;
+  std::transform(command.begin(), command.end(), command.begin(), [](unsigned char c) {
+    return static_cast<char>(std::toupper(c));
+  });
   const std::string_view value =
       blank == std::string_view::npos ? std::string_view() : Trimmed(text.substr(blank));
   // Lines of terrain begin as airspaces do, and end the one before.
@@ -305,7 +310,7 @@ void Reader::Read(size_t line, std::string_view text) {
   if (is_terrain_ || kIgnored.contains(command)) return;
   if (!airspace_) {
     if (!first_problem_) first_problem_ = Problem(line, "an airspace must begin with AC");
-    unknown_.emplace(ShownPath(command.substr(0, 8)), line);
+    unknown_.emplace(ShownPath(written.substr(0, 8)), line);
     return;
   }
   try {
@@ -346,9 +351,9 @@ ImportedObstacles Reader::Finish() {
 }  // namespace
 
 bool IsOpenAir(std::string_view text) {
-  const std::string begin = ToUtf8(text.substr(0, kMaxHeadBytes));
+  const std::string begin = InLowerCase(ToUtf8(text.substr(0, kMaxHeadBytes)));
   const std::string_view first = Trimmed(begin);
-  return first.starts_with("*") || first.starts_with("AC ") || first.starts_with("AC\t");
+  return first.starts_with("*") || first.starts_with("ac ") || first.starts_with("ac\t");
 }
 
 ImportedObstacles ParseOpenAir(std::string_view text) {
@@ -358,7 +363,9 @@ ImportedObstacles ParseOpenAir(std::string_view text) {
     error.observed = static_cast<double>(text.size());
     throw error;
   }
-  const std::string utf8 = ToUtf8(text);
+  std::string utf8 = ToUtf8(text);
+  // Some programs end lines with it alone.
+  if (utf8.find('\n') == std::string::npos) std::replace(utf8.begin(), utf8.end(), '\r', '\n');
   text = utf8;
   Reader reader;
   for (size_t line = 1; !text.empty(); ++line) {

@@ -48,8 +48,7 @@ constexpr FieldRule kRules[] = {
      "image",
      "",
      Q::kNone,
-     "image imagename file filename img photo picture label "
-     "sourcefile name",
+     "image imagename imageid file filename img photo photoid picture label sourcefile name",
      "",
      "name source file"},
     {F::kLatitude,
@@ -76,8 +75,14 @@ constexpr FieldRule kRules[] = {
     {F::kX, "x", "", Q::kLength, "easting east coordinate2 x", "", "x utm coordinate coord"},
     {F::kY, "y", "", Q::kLength, "northing north coordinate1 y", "", "y utm coordinate coord"},
     {F::kLatitudeLongitude, "position", "", Q::kNone, "gpsposition", "", "gps position"},
-    {F::kLatitudeRef, "latitude_ref", "", Q::kNone, "ref hemisphere", "latitude lat", "gps"},
-    {F::kLongitudeRef, "longitude_ref", "", Q::kNone, "ref hemisphere", "longitude lon", "gps"},
+    {F::kLatitudeRef, "latitude_ref", "", Q::kNone, "ref hemisphere ns", "latitude lat ns", "gps"},
+    {F::kLongitudeRef,
+     "longitude_ref",
+     "",
+     Q::kNone,
+     "ref hemisphere ew",
+     "longitude lon ew",
+     "gps"},
     {F::kAltitudeRef, "altitude_ref", "", Q::kNone, "ref", "altitude alt", "gps"},
     {F::kTime,
      "timestamp_us",
@@ -199,7 +204,8 @@ ColumnName ParseName(std::string_view text) {
     ReadBracket(Trimmed(text.substr(open + 1, close - open - 1)), name);
   }
   name.words = SplitName(text.substr(0, open));
-  if (name.unit || name.words.size() < 2) return name;
+  const bool is_side = name.words == std::vector<std::string>{"n", "s"};
+  if (name.unit || name.words.size() < 2 || is_side) return name;
   name.unit = UnitFromText(name.words.back());
   if (name.unit) name.words.pop_back();
   return name;
@@ -210,7 +216,8 @@ std::optional<size_t> RankOf(const ColumnName& name, const FieldRule& rule) {
   constexpr size_t kWordWeight = 100;
   std::string joined;
   for (const std::string& word : name.words) joined += word;
-  if (const auto place = PlaceIn(rule.any, joined); place && rule.with.empty()) return *place;
+  const auto whole = PlaceIn(rule.any, joined);
+  if (whole && (rule.with.empty() || PlaceIn(rule.with, joined))) return *whole;
   std::optional<size_t> any;
   bool has_with = rule.with.empty();
   size_t rank = kWordWeight * name.words.size();
@@ -249,6 +256,18 @@ std::optional<size_t> BestColumn(const std::vector<ColumnName>& names,
     best_rank = *rank;
   }
   return best;
+}
+
+// The first unclaimed column whose cells are all names of images, whatever its own name.
+std::optional<size_t> ColumnOfImages(const Table& table, const std::set<size_t>& claimed) {
+  for (size_t i = 0; i < table.header->cells.size(); ++i) {
+    const bool is_named =
+        std::all_of(table.lines.begin(), table.lines.end(), [i](const auto& line) {
+          return i < line.cells.size() && IsImageName(line.cells[i]);
+        });
+    if (is_named && !table.lines.empty() && !claimed.contains(i)) return i;
+  }
+  return std::nullopt;
 }
 
 bool HasUsableUnit(const ColumnName& name, const FieldRule& rule) {
@@ -337,7 +356,8 @@ size_t NumKnownColumns(const std::vector<std::string>& cells) {
   return fields.size();
 }
 
-PoseColumns ReadHeader(const TableLine& line) {
+PoseColumns ReadHeader(const Table& table) {
+  const TableLine& line = *table.header;
   const std::vector<std::string>& cells = line.cells;
   if (cells.size() > kLimits.poses.max_num_columns) {
     throw InvalidPose(LinePointer(line.number), "the pose file has too many columns");
@@ -364,37 +384,13 @@ PoseColumns ReadHeader(const TableLine& line) {
   }
   if (!header.Has(F::kX)) header.columns.erase(F::kY);
   if (!header.Has(F::kY)) header.columns.erase(F::kX);
+  if (const auto images = header.Has(F::kImage) ? std::nullopt : ColumnOfImages(table, claimed)) {
+    header.columns[F::kImage] = {*images, Harmless(cells[*images]), {}};
+    claimed.insert(*images);
+  }
   RequireColumns(header, line.number);
   WarnOfUnused(cells, claimed, header);
   return WithOneAttitude(std::move(header));
-}
-
-PoseColumns GuessedHeader(const TableLine& line, bool has_coordinate_system) {
-  const auto is_name = [](const std::string& cell) { return !NumberFromText(cell); };
-  auto image = std::find_if(line.cells.begin(), line.cells.end(), IsImageName);
-  if (image == line.cells.end())
-    image = std::find_if(line.cells.begin(), line.cells.end(), is_name);
-  const size_t first =
-      image == line.cells.end() ? 0 : static_cast<size_t>(image - line.cells.begin());
-  // Of OpenDroneMap: x y z yaw pitch roll accuracies, where yaw is the heading of the image's top.
-  static const std::vector<PoseField> kOfOdm{
-      F::kX, F::kY, F::kAltitude, F::kImageUpHeading, F::kPitch, F::kRoll, F::kPositionSd};
-  static const std::vector<PoseField> kOfPix4d{F::kY, F::kX, F::kAltitude};
-  PoseColumns header;
-  header.columns[F::kImage] = {first, std::string(NameOf(F::kImage)), {}};
-  size_t at = first == 0 ? 1 : 0;
-  for (const PoseField field : has_coordinate_system ? kOfOdm : kOfPix4d) {
-    if (at == first) ++at;
-    if (at >= line.cells.size()) break;
-    header.columns[field] = {at++, std::string(NameOf(field)), {}};
-  }
-  if (header.Has(F::kImageUpHeading) && !header.Has(F::kRoll)) {
-    for (const PoseField field : {F::kImageUpHeading, F::kPitch}) header.columns.erase(field);
-  }
-  if (!header.Has(F::kX) || !header.Has(F::kY)) {
-    throw InvalidPose(LinePointer(line.number), "must be: image x y z");
-  }
-  return header;
 }
 
 }  // namespace freelsd

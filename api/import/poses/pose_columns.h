@@ -95,11 +95,9 @@ struct PoseColumns {
 };
 // Number of cells that name a field.
 size_t NumKnownColumns(const std::vector<std::string>& cells);
-// Finds columns by the words of their names ("GPS Altitude [ft]"). Throws ApiError InvalidPoses if
+// Finds columns by the words of their names ("GPS Altitude [ft]"), and that of the images also by
+// its cells, of a table with a header. Throws ApiError InvalidPoses if
 // there is no image or place, or if two columns of one used name differ.
-PoseColumns ReadHeader(const TableLine& line);
-// The columns of a table without a header, from one of its lines: an image and numbers behind. With
-// a coordinate system the order is that of OpenDroneMap, without that of Pix4D.
-PoseColumns GuessedHeader(const TableLine& line, bool has_coordinate_system);
+PoseColumns ReadHeader(const Table& table);
 
 }  // namespace freelsd

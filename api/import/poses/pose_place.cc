@@ -36,9 +36,9 @@ std::optional<Altitude> AltitudeOf(const PoseLine& line) {
                       "must be Above or Below Sea Level, or a number from 0 to 3");
   }
   const bool is_below = HasWord(side, "below") || begins("b13");
-  if (HasWord(side, "ellips") || begins("23")) {
+  if (HasWord(side, "ellips")) {
     altitude.datum = "ellipsoid";
-  } else if (HasWord(side, "sea level") || is_below || begins("0")) {
+  } else if (HasWord(side, "sea level") || is_below || begins("02")) {
     altitude.datum = "amsl";
   }
   if (is_below) altitude.altitude_m = -std::abs(altitude.altitude_m);

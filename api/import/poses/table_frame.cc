@@ -7,6 +7,7 @@
 
 #include "api/import/number_text.h"
 #include "api/import/poses/pose_line.h"
+#include "api/import/poses/side_files.h"
 
 namespace freelsd {
 namespace {
@@ -73,6 +74,18 @@ Sizes SizesOf(const TableFrame& frame, const Table& table, PoseField field) {
   if (sizes.empty()) return {};
   std::sort(sizes.begin(), sizes.end());
   return {sizes[sizes.size() / 2], sizes.back()};
+}
+
+// Programs write 0 where they do not know the altitude, and no aircraft flies at 0 all the time.
+bool HasAltitudesOfZero(const TableFrame& frame, const Table& table) {
+  size_t num_zeros = 0;
+  for (const TableLine& line : table.lines) {
+    const std::optional<std::string> text = PoseLine(frame, line).Text(PoseField::kAltitude);
+    if (!text) continue;
+    if (NumberFromText(*text) != 0.0) return false;
+    ++num_zeros;
+  }
+  return num_zeros > 0;
 }
 
 void RemoveAngles(PoseColumns& header, const std::string& why) {
@@ -184,6 +197,42 @@ bool HasDecimalComma(const Table& table, const TableFrame& frame) {
   return false;
 }
 
+// The columns of a table without a header, from one of its lines: an image and numbers behind. With
+// a coordinate system the order is that of OpenDroneMap, without that of Pix4D.
+PoseColumns GuessedHeader(const TableLine& line, bool has_coordinate_system) {
+  const auto is_name = [](const std::string& cell) { return !NumberFromText(cell); };
+  auto image = std::find_if(line.cells.begin(), line.cells.end(), IsImageName);
+  if (image == line.cells.end())
+    image = std::find_if(line.cells.begin(), line.cells.end(), is_name);
+  const size_t first =
+      image == line.cells.end() ? 0 : static_cast<size_t>(image - line.cells.begin());
+  // Of OpenDroneMap: x y z yaw pitch roll accuracies, where yaw is the heading of the image's top.
+  static const std::vector<PoseField> kOfOdm{PoseField::kX,
+                                             PoseField::kY,
+                                             PoseField::kAltitude,
+                                             PoseField::kImageUpHeading,
+                                             PoseField::kPitch,
+                                             PoseField::kRoll,
+                                             PoseField::kPositionSd};
+  static const std::vector<PoseField> kOfPix4d{PoseField::kY, PoseField::kX, PoseField::kAltitude};
+  PoseColumns header;
+  header.columns[PoseField::kImage] = {first, std::string(NameOf(PoseField::kImage)), {}};
+  size_t at = first == 0 ? 1 : 0;
+  for (const PoseField field : has_coordinate_system ? kOfOdm : kOfPix4d) {
+    if (at == first) ++at;
+    if (at >= line.cells.size()) break;
+    header.columns[field] = {at++, std::string(NameOf(field)), {}};
+  }
+  if (header.Has(PoseField::kImageUpHeading) && !header.Has(PoseField::kRoll)) {
+    for (const PoseField field : {PoseField::kImageUpHeading, PoseField::kPitch})
+      header.columns.erase(field);
+  }
+  if (!header.Has(PoseField::kX) || !header.Has(PoseField::kY)) {
+    throw InvalidPose(LinePointer(line.number), "must be: image x y z");
+  }
+  return header;
+}
+
 }  // namespace
 
 TableFrame FrameOf(const Table& table, const SideContext& context) {
@@ -195,8 +244,10 @@ TableFrame FrameOf(const Table& table, const SideContext& context) {
   } catch (const std::invalid_argument& error) {
     throw InvalidPose("/poses", error.what());
   }
-  frame.header = table.header ? ReadHeader(*table.header)
-                              : GuessedHeader(table.lines.at(0), frame.is_system_told);
+  frame.header =
+      table.header ? ReadHeader(table) : GuessedHeader(table.lines.at(0), frame.is_system_told);
+  const bool has_placeholders = HasAltitudesOfZero(frame, table);
+  if (has_placeholders) frame.header.columns.erase(PoseField::kAltitude);
   for (const auto& [image_id, tags] : context.image_tags) frame.tags.emplace(image_id, tags);
   if (!table.header && !frame.is_system_told) {
     frame.header.warnings.emplace_back(
@@ -211,10 +262,11 @@ TableFrame FrameOf(const Table& table, const SideContext& context) {
     if (frame.tags.empty()) {
       throw InvalidPose(
           LinePointer(table.header ? table.header->number : table.lines[0].number) + "/altitude_m",
-          "the column altitude_m is needed");
+          has_placeholders ? "the altitudes are all 0" : "the column altitude_m is needed");
     }
     frame.header.warnings.emplace_back(
-        "there is no altitude: those of the photographs' own tags are used");
+        std::string(has_placeholders ? "the altitudes are all 0" : "there is no altitude") +
+        ": those of the photographs' own tags are used");
   }
   frame.has_decimal_comma = HasDecimalComma(table, frame);
   FindOrder(table, context, frame);

@@ -94,6 +94,7 @@ class MissionReader {
     const std::string inside = pointer + "/TransectStyleComplexItem";
     const nlohmann::json& items = Member(*transects, "Items", inside);
     if (!items.is_array()) throw InvalidValue(inside + "/Items", "must be an array");
+    if (items.empty()) Warn(item_ + " (" + kind + ") is left out: the plan has no places of it");
     for (size_t i = 0; i < items.size(); ++i) {
       ReadSimple(items[i], inside + "/Items/" + std::to_string(i));
     }
@@ -129,7 +130,7 @@ class MissionReader {
     AddPlace(item, pointer);
   }
 
-  // Without latitude and longitude, the item is flown where the vehicle is.
+  // Without latitude and longitude, a take-off is flown where the vehicle is.
   void AddPlace(const nlohmann::json& item, const std::string& pointer) {
     const nlohmann::json& params = Member(item, "params", pointer);
     if (!params.is_array() || params.size() != 7) {
@@ -137,7 +138,10 @@ class MissionReader {
     }
     const bool has_place =
         params[4].is_number() && params[5].is_number() && (params[4] != 0.0 || params[5] != 0.0);
-    if (!has_place) return;
+    if (!has_place) {
+      if (item["command"] == kWaypoint) Warn(item_ + " is left out: it has no place");
+      return;
+    }
     GeoPoint place = ReadCoordinate({params[4], params[5], params[6]}, pointer + "/params");
     const int64_t frame = ReadInteger(Member(item, "frame", pointer), pointer + "/frame");
     const auto above_sea = item.find("AMSLAltAboveTerrain");

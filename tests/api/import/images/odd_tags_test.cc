@@ -43,9 +43,13 @@ constexpr char kGimbal[] =
 constexpr char kRest[] = "drone-dji:RelativeAltitude='+98.0' drone-dji:AltitudeType='RtkAlt' ";
 constexpr char kXmpTail[] = "></rdf:Description></rdf:RDF></x:xmpmeta>";
 
-ImageTags WithPacket(const std::string& packet) {
+ImageTags WithPacket(const std::string& packet, const std::string& jpeg) {
   const std::string header("http://ns.adobe.com/xap/1.0/\0", 29);
-  return Read(WithSegment(WithGeotag(PlainJpeg(), {}), header + packet));
+  return Read(WithSegment(jpeg, header + packet));
+}
+
+ImageTags WithPacket(const std::string& packet) {
+  return WithPacket(packet, WithGeotag(PlainJpeg(), {}));
 }
 
 bool HasAll(const ImageTags& tags) {
@@ -245,6 +249,23 @@ TEST_CASE("odd tags: of two altitudes that disagree the plausible one is used, a
     CHECK((tags.meta.position && tags.meta.position->altitude_m == wanted_m &&
            Tells(tags, "AbsoluteAltitude")));
   }
+}
+
+TEST_CASE("odd tags: an altitude of XMP in feet is not used") {
+  const ImageTags tags = Read(WithXmpTags(WithGeotag(PlainJpeg(), {47.0, 8.0, 555.0, 0}),
+                                          "drone-dji:AbsoluteAltitude='1820.9'"));
+  CHECK((tags.meta.position && tags.meta.position->altitude_m == 555.0 && Tells(tags, "feet")));
+}
+
+TEST_CASE("odd tags: a place that stands in the EXIF schema of XMP alone is read") {
+  const ImageTags tags = WithPacket(
+      Packet("xmlns:exif='http://ns.adobe.com/exif/1.0/' exif:GPSLatitude='33,30.6S' "
+             "exif:GPSLongitude='151,12,36E' exif:GPSAltitude='5551/10' exif:GPSAltitudeRef='0' "),
+      PlainJpeg());
+  REQUIRE(tags.meta.position);
+  CHECK(std::abs(tags.meta.position->latitude_deg + 33.51) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->longitude_deg - 151.21) < kMaxPositionErrorDeg);
+  CHECK(tags.meta.position->altitude_m == 555.1);
 }
 
 TEST_CASE("odd tags: an altitude that cannot be is refused, a rare one is told") {

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include "api/import/number_text.h"
 #include "api/import/obstacles/air_values.h"
 #include "api/import/obstacles/obstacles.h"
 #include "tests/api/errors.h"
@@ -222,6 +224,15 @@ TEST_CASE("open air: seconds of 60, letters before, tabs, UTF-16") {
   for (const char c : std::string(kSquare)) wide += {c, '\0'};
   CHECK(IsOpenAir(wide));
   CHECK(NamesOf(wide) == "LS-R 12/A.");
+}
+
+TEST_CASE("open air: commands in small letters, lines that end with CR alone") {
+  std::string small = "ac d\nan CTR\nal gnd\nah 4500 ft msl\nv d=+\n" + InLowerCase(kBox);
+  CHECK(IsOpenAir(small));
+  CHECK(NamesOf(small) == "CTR.");
+  std::replace(small.begin(), small.end(), '\n', '\r');
+  CHECK(IsOpenAir(small));
+  CHECK(NamesOf(small) == "CTR.");
 }
 
 TEST_CASE("open air: lines of terrain are no border of the airspace before") {

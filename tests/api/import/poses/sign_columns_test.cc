@@ -54,5 +54,36 @@ TEST_CASE("poses: a hemisphere that is missing, unknown or contradicts its numbe
         -2.76);
 }
 
+TEST_CASE("poses: columns N/S and E/W are hemispheres") {
+  const PoseFile file = ParsePoses("image,lat,N/S,lon,E/W,alt\na.jpg,33.5,S,70.25,W,345\n");
+  const GeoPoint place = file.poses.at(0).second.position.value();
+  CHECK(place.latitude_deg == -33.5);
+  CHECK(place.longitude_deg == -70.25);
+}
+
+TEST_CASE("poses: altitudes that are all 0 are placeholders") {
+  const std::string table = "image,lat,lon,alt\na.jpg,47.5,8.5,0\nb.jpg,47.5,8.6,0.0\n";
+  CHECK(ErrorOf([&] { ParsePoses(table); }) == "422 InvalidPoses /poses/1/altitude_m");
+  FrameMeta tags;
+  tags.position = GeoPoint{47.5, 8.5, 555.0};
+  SideContext context;
+  context.image_tags = {{"a.jpg", tags}, {"b.jpg", tags}};
+  const PoseFile file = ParsePoses(table, context);
+  REQUIRE(file.poses.size() == 2);
+  CHECK(file.poses[0].second.position->altitude_m == 555.0);
+  // One of them is a place at sea level.
+  CHECK(ParsePoses("image,lat,lon,alt\na.jpg,47.5,8.5,0\nb.jpg,47.5,8.6,9\n").poses.size() == 2);
+}
+
+TEST_CASE("poses: the column of the images is known by its cells, whatever its name") {
+  for (const char* const name : {"ID", "Point ID", "Nr"}) {
+    CAPTURE(std::string(name));
+    const PoseFile file = ParsePoses(
+        std::string(name) + ",lat,lon,alt\nIMG_1.JPG,47.5,8.5,345\nIMG_2.JPG,47.5,8.6,345\n");
+    REQUIRE(file.poses.size() == 2);
+    CHECK(file.poses[0].first == "IMG_1.JPG");
+  }
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -178,6 +178,15 @@ TEST_CASE("route request: what of a plan is no route is left out and named") {
     REQUIRE(request.warnings.size() == 1);
     CHECK(request.warnings[0].starts_with(std::string("item 2 (") + kind + ") is left out"));
   }
+  nlohmann::json nowhere = good;
+  nowhere["params"][4] = nullptr;
+  const RouteRequest request = ParsePlan({good, nowhere, more});
+  CHECK(request.route.size() == 2);
+  CHECK(request.warnings == std::vector<std::string>{"item 2 is left out: it has no place"});
+  const nlohmann::json empty = {{"type", "ComplexItem"},
+                                {"complexItemType", "CorridorScan"},
+                                {"TransectStyleComplexItem", {{"Items", nlohmann::json::array()}}}};
+  CHECK(ParsePlan({good, empty, more}).warnings.size() == 1);
   nlohmann::json above_ground = Item(16, 10, 47.03, 80.0);
   above_ground["AMSLAltAboveTerrain"] = 612.5;
   CHECK(ParsePlan({good, above_ground}).route.at(1).altitude_m == 612.5);
