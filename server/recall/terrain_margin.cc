@@ -98,17 +98,14 @@ std::optional<double> LeastHeightAlong(const std::vector<GeoPoint>& path,
   return least;
 }
 
-// World z of the lowest seen block within about 20 m; nothing if the map has not seen the place.
-std::optional<double> LowestBlockAround(const KeptTerrain& terrain, const Eigen::Vector2d& place) {
+// World z of the seen blocks within about 20 m; nothing if the map has not seen the place.
+std::optional<HeightRange> BlocksAround(const KeptTerrain& terrain, const Eigen::Vector2d& place) {
   constexpr double kAroundM = 20.0;
   const auto middle = terrain.grid.CellAt(place);
   if (!middle || std::isnan(terrain.upper(*middle))) return std::nullopt;
   const int reach = std::max(1, static_cast<int>(std::lround(kAroundM / terrain.grid.cell_size_m)));
   const cv::Rect around(middle->x - reach, middle->y - reach, 2 * reach + 1, 2 * reach + 1);
-  const cv::Mat1f blocks = terrain.upper(around & cv::Rect({}, terrain.upper.size()));
-  double lowest = terrain.upper(*middle);
-  for (const float height : blocks) lowest = std::fmin(lowest, height);
-  return lowest;
+  return HeightRangeOf(terrain.upper(around & cv::Rect({}, terrain.upper.size())));
 }
 
 }  // namespace
@@ -138,19 +135,22 @@ std::vector<MapBelow> MapsBelow(const StoredSites& stored,
   return maps;
 }
 
-std::optional<double> GroundAltitudeAt(const std::vector<MapBelow>& maps, const GeoPoint& place) {
-  std::optional<double> lowest;
+std::optional<HeightRange> GroundAltitudesAt(const std::vector<MapBelow>& maps,
+                                             const GeoPoint& place) {
+  std::optional<HeightRange> found;
   for (const auto& [terrain, datum] : maps) {
     const LocalFrame local_frame(terrain->origin);
-    Eigen::Vector3d ground_in_world = local_frame.WorldFromGeo(place);
-    const auto height = LowestBlockAround(*terrain, ground_in_world.head<2>());
-    if (!height) continue;
-    ground_in_world.z() = *height;
-    const double altitude_m =
-        local_frame.GeoFromWorld(ground_in_world).altitude_m + datum.subtracted_m;
-    if (!lowest || altitude_m < *lowest) lowest = altitude_m;
+    const Eigen::Vector3d place_in_world = local_frame.WorldFromGeo(place);
+    const auto blocks = BlocksAround(*terrain, place_in_world.head<2>());
+    if (!blocks) continue;
+    const double altitude_of_zero_m = place.altitude_m - place_in_world.z() + datum.subtracted_m;
+    const double lowest_m = altitude_of_zero_m + blocks->lowest_m;
+    const double highest_m = altitude_of_zero_m + blocks->highest_m;
+    found = found ? HeightRange{std::min(found->lowest_m, lowest_m),
+                                std::max(found->highest_m, highest_m)}
+                  : HeightRange{lowest_m, highest_m};
   }
-  return lowest;
+  return found;
 }
 
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,

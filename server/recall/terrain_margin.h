@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/footprint/footprint.h"
 #include "engine/glide/glide.h"
 #include "server/recall/altitude_datum.h"
 #include "server/recall/recall_sites.h"
@@ -34,9 +35,10 @@ std::vector<MapBelow> MapsBelow(const StoredSites& stored,
                                 const EmergencyRequest& request,
                                 const std::vector<GeoPoint>& path);
 
-// Altitude of the ground in the request's datum: of all maps that have seen the place, the lowest
-// block around it, because blocks have the height of what stands on them. Nothing if none has.
-std::optional<double> GroundAltitudeAt(const std::vector<MapBelow>& maps, const GeoPoint& place);
+// Altitudes between which the ground lies, in the request's datum: of the blocks around the place,
+// which have the height of what stands on them, of all maps that have seen it. Nothing if none has.
+std::optional<HeightRange> GroundAltitudesAt(const std::vector<MapBelow>& maps,
+                                             const GeoPoint& place);
 
 // Terrain of the map that the site lies on. Nothing if it has none, or if it cannot be read.
 std::shared_ptr<const KeptTerrain> TerrainBelow(const StoredSites& stored, const RecallRow& site);

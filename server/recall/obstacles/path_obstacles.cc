@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/footprint/footprint.h"
 #include "engine/obstacles/obstacles.h"
 #include "server/recall/emergency_request.h"
 #include "server/recall/obstacles/obstacles.h"
@@ -142,9 +143,14 @@ bool HasHeightsAboveGround(const GivenObstacle& airspace) {
   return airspace.floor_above_ground_m || airspace.ceiling_above_ground_m;
 }
 
-bool IsWithinHeightsAboveGround(const GivenObstacle& airspace, double height_m) {
-  if (airspace.ceiling_above_ground_m && height_m > *airspace.ceiling_above_ground_m) return false;
-  return !airspace.floor_above_ground_m || height_m >= *airspace.floor_above_ground_m;
+// Where the ground is doubtful, the aircraft is inside.
+bool IsWithinHeightsAboveGround(const GivenObstacle& airspace,
+                                double altitude_m,
+                                const HeightRange& ground) {
+  const double least_height_m = altitude_m - ground.highest_m;
+  const double most_height_m = altitude_m - ground.lowest_m;
+  return least_height_m <= airspace.ceiling_above_ground_m.value_or(HUGE_VAL) &&
+         most_height_m >= airspace.floor_above_ground_m.value_or(-HUGE_VAL);
 }
 
 // Bounds in the request's datum, widened by what the datums leave unknown.
@@ -180,8 +186,10 @@ bool Enters(const StoredSites& stored,
     if (is_inside) return HUGE_VAL;
     const double distance_m = NearestOf(airspace, place).distance_m;
     if (distance_m == 0.0 && IsWithinAltitudes(airspace, place.altitude_m, reference)) {
-      const double ground_m = GroundAltitudeAt(maps, place).value_or(path.back().altitude_m);
-      is_inside = IsWithinHeightsAboveGround(airspace, place.altitude_m - ground_m);
+      const double touchdown_m = path.back().altitude_m;
+      const HeightRange ground =
+          GroundAltitudesAt(maps, place).value_or(HeightRange{touchdown_m, touchdown_m});
+      is_inside = IsWithinHeightsAboveGround(airspace, place.altitude_m, ground);
     }
     return is_inside ? HUGE_VAL : distance_m;
   });

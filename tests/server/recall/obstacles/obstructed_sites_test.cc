@@ -260,28 +260,36 @@ TEST_CASE("obstructed: an airspace ranks a site last and never hides the only on
   CHECK(ids(1200.0).size() == 2);
 }
 
-TEST_CASE("obstructed: an airspace's floor above ground counts from the ground below the way") {
+TEST_CASE("obstructed: heights of an airspace above ground count from the ground below the way") {
   // From 600 m, 200 m above the touchdown.
-  const auto enters = [](const std::function<void(Storage&)>& store) {
+  const auto enters = [](const std::function<void(Storage&)>& store, const char* bound = "floor") {
     const MeadowServer meadow(store);
     HoldAgainstContract(*meadow.client);
+    // The ceiling is that of a square on every way, 150 to 185 m above the touchdown.
+    const bool is_floor = bound == std::string("floor");
+    const GeoPoint middle{is_floor ? 47.0 : 46.9974, 8.0, 400.0};
     const nlohmann::json zone = SquareAround(
-        {47.0, 8.0, 400.0}, 5000.0, {{"kind", "no_fly"}, {"floor_above_ground_m", 250}});
+        middle,
+        is_floor ? 5000.0 : 100.0,
+        {{"kind", "no_fly"}, {bound + std::string("_above_ground_m"), is_floor ? 250 : 200}});
     REQUIRE(meadow.client->Put("/v1/obstacles/zone", zone.dump(), "application/json")->status ==
             201);
     const nlohmann::json answer = WholeAnswer(*meadow.client, Query(600.0, kCalmNorth));
     REQUIRE(answer["sites"].size() == 1);
     return answer["sites"][0].contains("airspaces");
   };
-  CHECK_FALSE(enters(StoreAmslMeadow));
-  CHECK(enters([](Storage& storage) {
+  const auto with_valley = [](Storage& storage) {
     StoreAmslMeadow(storage);
     MapCache maps({size_t{1} << 24, size_t{1} << 22});
     Flown valley{.flight_id = "valley", .is_accepted = false, .altitude_datum = "amsl"};
     valley.altitude_error_m = -150.0;
     valley.latitude_deg = 46.9967;
     Store(storage, maps, valley);
-  }));
+  };
+  CHECK_FALSE(enters(StoreAmslMeadow));
+  CHECK(enters(with_valley));
+  // Two maps see the ground of the square, 150 m apart: one of both puts the aircraft above 200 m.
+  CHECK(enters(with_valley, "ceiling"));
 }
 
 TEST_CASE("obstructed: a wire on the way, where no map is, counts by its altitude") {
