@@ -265,13 +265,13 @@ TEST_CASE("obstructed: heights of an airspace above ground count from the ground
   const auto enters = [](const std::function<void(Storage&)>& store, const char* bound = "floor") {
     const MeadowServer meadow(store);
     HoldAgainstContract(*meadow.client);
-    // The ceiling is that of a square on every way, 150 to 185 m above the touchdown.
+    // The ceiling is that of a square on every way, at most 170 m above the touchdown.
     const bool is_floor = bound == std::string("floor");
-    const GeoPoint middle{is_floor ? 47.0 : 46.9974, 8.0, 400.0};
+    const GeoPoint middle{is_floor ? 47.0 : 46.9970, 8.0, 400.0};
     const nlohmann::json zone = SquareAround(
         middle,
-        is_floor ? 5000.0 : 100.0,
-        {{"kind", "no_fly"}, {bound + std::string("_above_ground_m"), is_floor ? 250 : 200}});
+        is_floor ? 5000.0 : 90.0,
+        {{"kind", "no_fly"}, {bound + std::string("_above_ground_m"), is_floor ? 250 : 172}});
     REQUIRE(meadow.client->Put("/v1/obstacles/zone", zone.dump(), "application/json")->status ==
             201);
     const nlohmann::json answer = WholeAnswer(*meadow.client, Query(600.0, kCalmNorth));
@@ -283,12 +283,13 @@ TEST_CASE("obstructed: heights of an airspace above ground count from the ground
     MapCache maps({size_t{1} << 24, size_t{1} << 22});
     Flown valley{.flight_id = "valley", .is_accepted = false, .altitude_datum = "amsl"};
     valley.altitude_error_m = -150.0;
+    valley.half_size_m = 130.0;
     valley.latitude_deg = 46.9967;
     Store(storage, maps, valley);
   };
   CHECK_FALSE(enters(StoreAmslMeadow));
   CHECK(enters(with_valley));
-  // Two maps see the ground of the square, 150 m apart: one of both puts the aircraft above 200 m.
+  // Two maps see the ground of the square, 150 m apart: the lower one alone puts the aircraft above 172 m.
   CHECK(enters(with_valley, "ceiling"));
 }
 
