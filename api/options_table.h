@@ -209,6 +209,8 @@ void VisitFields(Of<SurfaceOptions> auto& o, Visitor&& visit) {
   visit("slope_support", o.slope_support);
   visit("plane_support_m", o.plane_support_m);
   visit("min_support_ratio", o.min_support_ratio);
+  visit("max_step_m", o.max_step_m);
+  visit("max_step_slope_deg", o.max_step_slope_deg);
   visit("roughness_spacing_m", o.roughness_spacing_m);
   visit("max_standard_deviation_m", o.max_standard_deviation_m);
 }
@@ -221,15 +223,14 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
   visit("max_observation_probability", o.max_observation_probability);
   visit("max_num_independent_views", o.max_num_independent_views);
   visit("kind_smoothing_m", o.kind_smoothing_m);
-  visit("min_smoothed_probability", o.min_smoothed_probability);
-  visit("min_line_drop", o.min_line_drop);
-  visit("min_line_length_m", o.min_line_length_m);
+  visit("min_kind_contrast", o.min_kind_contrast);
   visit("min_vote_ratio", o.min_vote_ratio);
   visit("upper_margin_m", o.upper_margin_m);
   visit("max_telling_sampling_m", o.max_telling_sampling_m);
   visit("min_row_strength", o.min_row_strength);
   visit("min_row_spacing_m", o.min_row_spacing_m);
   visit("max_row_spacing_m", o.max_row_spacing_m);
+  visit("max_row_posterior", o.max_row_posterior);
   visit("min_detail_ratio", o.min_detail_ratio);
   visit("max_still_water_posterior", o.max_still_water_posterior);
   visit("max_even_slope_deg", o.max_even_slope_deg);

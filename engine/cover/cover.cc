@@ -95,7 +95,7 @@ void AddGrassByRules(const CoverInput& input,
                      GroundCover& cover) {
   const ElevationMap& map = input.map;
   const Orthophoto& photo = input.photo;
-  std::tie(cover.grass, cover.kind) = FuseKinds(map, input.kind_views, options);
+  std::tie(cover.grass, cover.kind) = FuseKinds(map, input.kind_views, options, photo);
   cover.cues.push_back(LayerOf("views", LogOddsOf(cover.grass)));
   cv::Mat1b look_alikes;
   cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
@@ -131,7 +131,7 @@ GroundCover AssessCover(const ElevationMap& map,
   options.Check();
   GroundCover cover;
   if (map.elevation.empty()) {
-    std::tie(cover.grass, cover.kind) = FuseKinds(map, kind_views, options);
+    std::tie(cover.grass, cover.kind) = FuseKinds(map, kind_views, options, photo);
     return cover;
   }
   const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);

@@ -65,7 +65,7 @@ struct CoverOptions {
   // masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;
   // Least posterior of a grass cell. The risk of a landing adds up what is left (RiskOptions).
-  double min_grass_posterior = 0.8;
+  double min_grass_posterior = 0.82;
   // Limits of the probability from one observation, because no single view is certain.
   double min_observation_probability = 0.1;
   double max_observation_probability = 0.9;
@@ -74,15 +74,11 @@ struct CoverOptions {
   // right as it says on textures that the network has not seen (decision 0052). Differs: the paper
   // takes the OR of all masks (Sec. III-G).
   double max_num_independent_views = 2.0;
-  // The log-odds of neighbouring cells are averaged by a Gaussian with this deviation, because what
-  // grows is the same over more than a cell, and the network's noise is not. A cell that its own
-  // views call grass with less than min_smoothed_probability stays as it is: a road, a ditch.
-  double kind_smoothing_m = 2.0;
-  double min_smoothed_probability = 0.2;
-  // A footpath or ditch shows in the map as a line at least min_line_length_m long whose mean
-  // log-odds are less than those around it by min_line_drop.
-  double min_line_drop = 0.4;
-  double min_line_length_m = 8.0;
+  // The log-odds of cells are averaged within this distance where the photograph is even, because
+  // what grows is the same over more than a cell, and the network's noise is not. Steps of at least
+  // min_kind_contrast in the colour, as a share of full brightness, are kept: borders, footpaths.
+  double kind_smoothing_m = 8.0;
+  double min_kind_contrast = 0.017;
   // A cell gets a class only if at least this share of the views that see it classify it. Canopy
   // and rubble get no class, because nearly every view leaves them unclassified.
   double min_vote_ratio = 0.2;
@@ -100,6 +96,9 @@ struct CoverOptions {
   double min_row_strength = 10.0;
   double min_row_spacing_m = 0.55;
   double max_row_spacing_m = 0.9;
+  // Mown grass has rows, too. Where all views are as sure of grass as they can be, rows tell
+  // nothing: crops are as rare there with them as without (decision 0052).
+  double max_row_posterior = 0.985;
   // Least fine detail of grass, as a share of its brightness. Green ground with less detail is
   // water with algae, unless the views are as sure of grass as max_still_water_posterior, or take
   // it for something else than water if not for grass: a soft photograph shows little detail of

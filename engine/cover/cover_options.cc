@@ -30,15 +30,14 @@ void CoverOptions::Check() const {
   check.Inside("max_observation_probability", max_observation_probability, 0.501, 0.999);
   check.Inside("max_num_independent_views", max_num_independent_views, 1.0, 1000.0);
   check.Inside("kind_smoothing_m", kind_smoothing_m, 0.0, 100.0);
-  check.Inside("min_smoothed_probability", min_smoothed_probability, 0.0, 1.0);
-  check.Inside("min_line_drop", min_line_drop, 0.0, 100.0);
-  check.Inside("min_line_length_m", min_line_length_m, 0.0, 1000.0);
+  check.Inside("min_kind_contrast", min_kind_contrast, 1e-3, 1.0);
   check.Inside("min_vote_ratio", min_vote_ratio, 0.0, 1.0);
   check.Inside("upper_margin_m", upper_margin_m, 0.0, 10.0);
   check.Inside("max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0);
   check.Inside("min_row_strength", min_row_strength, 0.0, 1e6);
   check.Inside("max_row_spacing_m", max_row_spacing_m, 0.1, 10.0);
   check.Inside("min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m);
+  check.Inside("max_row_posterior", max_row_posterior, 0.0, 1.0);
   check.Inside("min_detail_ratio", min_detail_ratio, 0.0, 1.0);
   check.Inside("max_still_water_posterior", max_still_water_posterior, 0.0, 1.0);
   check.Inside("max_even_slope_deg", max_even_slope_deg, 0.0, 90.0);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include <opencv2/imgproc.hpp>
+#include "engine/cover/guided_filter.h"
 
 namespace freelsd {
 namespace {
@@ -153,54 +153,6 @@ float MeanLogOdds(const Votes& votes, const CoverOptions& options) {
   return votes.log_odds / static_cast<float>(votes.num_votes);
 }
 
-// A path or a ditch is a long line of cells that look less like grass than what surrounds them.
-// The errors of the views mix its sides into it: it gets the drop again, twice.
-void SharpenLines(const cv::Mat1f& surroundings,
-                  const cv::Mat1f& log_odds,
-                  const cv::Mat1b& is_told,
-                  double cell_size_m,
-                  const CoverOptions& options,
-                  cv::Mat1f& smoothed) {
-  constexpr int kDropsMixedIn = 2;
-  cv::Mat1f drop = surroundings - log_odds;
-  drop.setTo(0.0f, ~is_told);
-  cv::Mat1i lines, boxes;
-  cv::Mat1d centers;
-  const int num_lines = cv::connectedComponentsWithStats(
-      drop > options.min_line_drop, lines, boxes, centers, 8, CV_32S);
-  const double least_cells = options.min_line_length_m / cell_size_m;
-  std::vector<bool> is_line(static_cast<size_t>(num_lines));
-  for (int line = 1; line < num_lines; ++line) {
-    is_line[static_cast<size_t>(line)] =
-        std::max(boxes(line, cv::CC_STAT_WIDTH), boxes(line, cv::CC_STAT_HEIGHT)) >= least_cells;
-  }
-  for (int row = 0; row < lines.rows; ++row) {
-    for (int col = 0; col < lines.cols; ++col) {
-      if (!is_line[static_cast<size_t>(lines(row, col))]) continue;
-      smoothed(row, col) = log_odds(row, col) - kDropsMixedIn * drop(row, col);
-    }
-  }
-}
-
-// What grows is the same over more than a cell, and the network's noise is not.
-cv::Mat1f Smoothed(const cv::Mat1f& log_odds, double cell_size_m, const CoverOptions& options) {
-  if (log_odds.empty() || options.kind_smoothing_m == 0.0) return log_odds;
-  const cv::Mat1b is_told = log_odds == log_odds;
-  cv::Mat1f sum = cv::Mat1f::zeros(log_odds.size()), weight;
-  log_odds.copyTo(sum, is_told);
-  is_told.convertTo(weight, CV_32F, 1.0 / 255.0);
-  const double deviation = options.kind_smoothing_m / cell_size_m;
-  cv::GaussianBlur(sum, sum, {}, deviation, 0.0, cv::BORDER_CONSTANT);
-  cv::GaussianBlur(weight, weight, {}, deviation, 0.0, cv::BORDER_CONSTANT);
-  const double least = options.min_smoothed_probability;
-  const cv::Mat1b is_smoothed = log_odds >= std::log(least / (1.0 - least));
-  cv::Mat1f smoothed = log_odds.clone();
-  cv::divide(sum, weight, sum);
-  sum.copyTo(smoothed, is_smoothed);
-  SharpenLines(sum, log_odds, is_told, cell_size_m, options, smoothed);
-  return smoothed;
-}
-
 uint8_t FusedOther(const Votes& votes) {
   const auto likeliest = std::max_element(votes.others.begin(), votes.others.end());
   if (!(*likeliest > 0.0f)) return 0;
@@ -248,7 +200,8 @@ void CountBlocks(const ElevationMap& map,
 
 std::pair<cv::Mat1f, cv::Mat1b> FuseKinds(const ElevationMap& map,
                                           const std::vector<KindView>& kind_views,
-                                          const CoverOptions& options) {
+                                          const CoverOptions& options,
+                                          const Orthophoto& photo) {
   cv::Mat1f log_odds(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
   cv::Mat1f num_independent = cv::Mat1f::zeros(map.elevation.size());
   cv::Mat1b other = cv::Mat1b::zeros(map.elevation.size());
@@ -262,7 +215,9 @@ std::pair<cv::Mat1f, cv::Mat1b> FuseKinds(const ElevationMap& map,
                 num_independent(row, col) = std::min(static_cast<float>(votes.num_votes), most);
                 other(row, col) = FusedOther(votes);
               });
-  cv::Mat1f grass = Smoothed(log_odds, map.grid.cell_size_m, options);
+  // What grows is the same over more than a cell, and the network's noise is not.
+  cv::Mat1f grass = SmoothedByPhoto(
+      log_odds, photo, map.grid.cell_size_m, options.kind_smoothing_m, options.min_kind_contrast);
   std::transform(grass.begin(),
                  grass.end(),
                  num_independent.begin(),

@@ -14,6 +14,7 @@ namespace freelsd {
 //   the cell, where a view counts only for the kind that it found likeliest. 0 where no view did.
 std::pair<cv::Mat1f, cv::Mat1b> FuseKinds(const ElevationMap& map,
                                           const std::vector<KindView>& kind_views,
-                                          const CoverOptions& options);
+                                          const CoverOptions& options,
+                                          const Orthophoto& photo);
 
 }  // namespace freelsd

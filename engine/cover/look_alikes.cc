@@ -317,7 +317,8 @@ cv::Mat1b FindLookAlikes(const Orthophoto& photo,
     return OnMap(FindInBands(photo, kHaloM, in_band), grid);
   };
   cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
-  if (options.min_row_strength > 0.0) found |= find(RowCrops);
+  if (options.min_row_strength > 0.0)
+    found |= find(RowCrops) & (told.grass < options.max_row_posterior);
   if (options.min_detail_ratio > 0.0) found |= find(StillWater) & MayBeWater(told, options);
   return found;
 }

@@ -13,9 +13,10 @@ struct ToldKinds {
   cv::Mat1b other;
 };
 
-// One value per cell of `grid`: 255 if the cell contains crops in rows, or still water where the
-// views, too, take it for water if not for grass, and are not sure of grass
-// (max_still_water_posterior); else 0. Empty if the orthophoto is empty.
+// One value per cell of `grid`: 255 if the cell contains crops in rows and the views are not quite
+// sure of grass (max_row_posterior), or still water where the views, too, take it for water if not
+// for grass, and are not sure of grass (max_still_water_posterior); else 0. Empty if the orthophoto
+// is empty.
 cv::Mat1b FindLookAlikes(const Orthophoto& photo,
                          const Grid& grid,
                          const ToldKinds& told,

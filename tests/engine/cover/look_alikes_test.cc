@@ -236,6 +236,14 @@ TEST_CASE(
   CHECK(of_other(rows) == 255);
 }
 
+TEST_CASE("look-alikes: rows tell nothing where all views are sure of grass") {
+  const Orthophoto photo = Countryside();
+  const Grid grid = MapGridOf(photo);
+  const cv::Point rows = *grid.CellAt(kInRows);
+  CHECK(FindLookAlikes(photo, grid, Told(grid, 0.98f, GroundKind::kCrop), {})(rows) == 255);
+  CHECK(FindLookAlikes(photo, grid, Told(grid, 0.987f, GroundKind::kCrop), {})(rows) == 0);
+}
+
 // Flat, and grass for every view from 200 m up.
 ElevationMap FlatMapOn(const Grid& grid) {
   ElevationMap map;

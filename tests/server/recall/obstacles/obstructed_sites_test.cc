@@ -289,7 +289,8 @@ TEST_CASE("obstructed: heights of an airspace above ground count from the ground
   };
   CHECK_FALSE(enters(StoreAmslMeadow));
   CHECK(enters(with_valley));
-  // Two maps see the ground of the square, 150 m apart: the lower one alone puts the aircraft above 172 m.
+  // Two maps see the ground of the square, 150 m apart: the lower one alone puts the aircraft above
+  // 172 m.
   CHECK(enters(with_valley, "ceiling"));
 }
 
