@@ -209,8 +209,6 @@ void VisitFields(Of<SurfaceOptions> auto& o, Visitor&& visit) {
   visit("slope_support", o.slope_support);
   visit("plane_support_m", o.plane_support_m);
   visit("min_support_ratio", o.min_support_ratio);
-  visit("max_step_m", o.max_step_m);
-  visit("max_step_slope_deg", o.max_step_slope_deg);
   visit("roughness_spacing_m", o.roughness_spacing_m);
   visit("max_standard_deviation_m", o.max_standard_deviation_m);
 }

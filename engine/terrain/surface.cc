@@ -97,38 +97,6 @@ float SlopeOf(const Moments& m, double cell_size_m) {
   return static_cast<float>(std::atan(std::sqrt(east * east + south * south) / cell_size_m));
 }
 
-// Cells around the middle without those beyond a step: hedges, crops and walls beside the ground
-// are no slope of it.
-Moments WithoutSteps(const cv::Mat1f& elevation,
-                     const cv::Point& middle,
-                     int reach,
-                     double cell_size_m,
-                     const SurfaceOptions& options) {
-  const double max_grade = std::tan(RadFromDeg(options.max_step_slope_deg));
-  const int first_row = std::max(0, middle.y - reach), first_col = std::max(0, middle.x - reach);
-  const int last_row = std::min(elevation.rows - 1, middle.y + reach);
-  const int last_col = std::min(elevation.cols - 1, middle.x + reach);
-  Moments m;
-  for (int row = first_row; row <= last_row; ++row) {
-    for (int col = first_col; col <= last_col; ++col) {
-      const double x = col - middle.x, y = row - middle.y;
-      const double z = static_cast<double>(elevation(row, col)) - elevation(middle);
-      const double distance_m = cell_size_m * std::sqrt(x * x + y * y);
-      if (!(std::abs(z) <= options.max_step_m + max_grade * distance_m)) continue;
-      m.n += 1.0;
-      m.x += x;
-      m.y += y;
-      m.z += z;
-      m.xx += x * x;
-      m.xy += x * y;
-      m.yy += y * y;
-      m.xz += x * z;
-      m.yz += y * z;
-    }
-  }
-  return m;
-}
-
 // Seen cells of the 3x3 neighbourhood, metres, relative to its centre.
 Eigen::Matrix3Xd Neighbourhood(const cv::Mat1f& elevation, int row, int col, double cell_size_m) {
   Eigen::Matrix3Xd points(3, 9);
@@ -210,8 +178,6 @@ cv::Mat1f PlaneSlope(const cv::Mat1f& elevation,
   // A support of 9 m is 9 cells of 1 m: 4 to each side; at least the 3x3 neighbourhood.
   const int reach = std::max(1, static_cast<int>(options.plane_support_m / cell_size_m / 2.0));
   const double min_num_cells = options.min_support_ratio * (2 * reach + 1) * (2 * reach + 1);
-  // Less than any limit, whatever steps there are.
-  const double least_slope = RadFromDeg(2.0);
   double base_height = kNaN;
   for (int row = 0; row < elevation.rows; ++row) {
     for (int col = 0; col < elevation.cols && std::isnan(base_height); ++col) {
@@ -224,9 +190,6 @@ cv::Mat1f PlaneSlope(const cv::Mat1f& elevation,
     for (int col = 0; col < elevation.cols; ++col) {
       if (std::isnan(elevation(row, col)) || windows.n[col] < min_num_cells) continue;
       slope(row, col) = SlopeOf(windows.At(col), cell_size_m);
-      if (!(slope(row, col) > least_slope)) continue;
-      const Moments even = WithoutSteps(elevation, {col, row}, reach, cell_size_m, options);
-      if (even.n >= min_num_cells) slope(row, col) = SlopeOf(even, cell_size_m);
     }
   }
   return slope;
@@ -275,8 +238,6 @@ void SurfaceOptions::Check() const {
   const FieldCheck check("hazard");
   check.Inside("plane_support_m", plane_support_m, 0.1, 100.0);
   check.Inside("min_support_ratio", min_support_ratio, 0.4, 1.0);
-  check.Inside("max_step_m", max_step_m, 0.0, 1000.0);
-  check.Inside("max_step_slope_deg", max_step_slope_deg, 0.0, 89.0);
   check.Inside("roughness_spacing_m", roughness_spacing_m, 0.05, 100.0);
   check.Inside("max_standard_deviation_m", max_standard_deviation_m, 0.01, 100.0);
 }

@@ -135,11 +135,6 @@ struct SurfaceOptions {
   // Least share of seen cells in the square of side plane_support_m. Cells outside the grid count
   // as unseen.
   double min_support_ratio = 0.6;
-  // A cell of the support counts if its height differs from the middle's by at most max_step_m and
-  // what a slope of max_step_slope_deg rises to there, unless too few are left: the edge of a crop
-  // or a hedge is a step, not a slope of the ground beside it. All cells of a steeper slope count.
-  double max_step_m = 0.25;
-  double max_step_slope_deg = 8.0;
   // Distance from a cell to the 8 neighbours that its roughness is computed from. Rounded to whole
   // cells, at least one. Differs: the paper's distance is one cell. max_roughness_m is meant for a
   // distance of 1 m. With smaller cells, the paper's rule would accept rougher ground.
