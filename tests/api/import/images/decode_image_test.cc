@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "api/import/images/image_segments.h"
 #include "api/import/images/images.h"
@@ -153,6 +154,25 @@ TEST_CASE("decode: a JPEG that is whole is taken in spite of what surrounds its 
       continue;
     CHECK(cv::norm(DecodeImage(bytes, {}), wanted, cv::NORM_INF) == 0.0);
   }
+}
+
+TEST_CASE("decode: a scan without an end that itself ends with a zero is whole") {
+  // No colour takes no bits but zeros.
+  cv::Mat grey;
+  cv::cvtColor(Picture(120, 160), grey, cv::COLOR_BGR2GRAY);
+  int num_tried = 0;
+  for (int corner = 0; corner < 256; ++corner) {
+    grey.at<uchar>(119, 159) = static_cast<uchar>(corner);
+    cv::Mat picture;
+    cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
+    const std::string jpeg = Encoded(".jpg", picture);
+    const std::string body = jpeg.substr(0, jpeg.size() - 2);
+    if (body.back() != '\0') continue;
+    ++num_tried;
+    REQUIRE(ErrorOfDecoding(body) == "nothing");
+    CHECK(cv::norm(DecodeImage(body, {}), DecodeImage(jpeg, {}), cv::NORM_INF) == 0.0);
+  }
+  CHECK(num_tried > 0);
 }
 
 TEST_CASE("decode: of a JPEG that is cut, the missing share is told") {
